@@ -1,0 +1,8 @@
+//! Arithmetic shared by all layers: frames, sampling maps, robust forms, portable functions, statistics.
+
+pub mod color;
+pub mod frame;
+pub mod portable;
+pub mod robust;
+pub mod stats;
+pub mod warp;

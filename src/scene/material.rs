@@ -1,0 +1,349 @@
+//! Materials as they are written; `compile` turns them into recipes for the engine.
+
+use super::{Channel, Place, TextureId};
+use glam::DVec3;
+
+/// A colour that may vary over the surface: `factor · texture.rgb` (or `factor` alone). Linear RGB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColorInput {
+    /// Constant factor.
+    pub factor: DVec3,
+    /// Texture multiplied to it.
+    pub texture: Option<TextureId>,
+}
+
+impl ColorInput {
+    /// The same colour everywhere.
+    pub fn constant(factor: DVec3) -> ColorInput {
+        ColorInput { factor, texture: None }
+    }
+}
+
+impl From<DVec3> for ColorInput {
+    fn from(factor: DVec3) -> ColorInput {
+        ColorInput::constant(factor)
+    }
+}
+
+/// A number that may vary over the surface: `factor · texture.channel` (or `factor` alone).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScalarInput {
+    /// Constant factor.
+    pub factor: f64,
+    /// Texture and the channel taken from it.
+    pub texture: Option<(TextureId, Channel)>,
+}
+
+impl From<f64> for ScalarInput {
+    fn from(factor: f64) -> ScalarInput {
+        ScalarInput { factor, texture: None }
+    }
+}
+
+/// Which sides of a surface emit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum EmissionSides {
+    /// The side of the geometric normal: outside of solids, glTF without `doubleSided`.
+    #[default]
+    Front,
+    /// Both: open surfaces of text scenes, glTF `doubleSided`.
+    Both,
+    /// Front on closed solids, both on open surfaces (triangles, discs, planes, meshes): what a text scene means.
+    ByShape,
+}
+
+/// How coverage (alpha) is used. Coverage lets rays through unseen; it is not transmission.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum OpacityMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Fully there where alpha ≥ the cutoff, gone elsewhere.
+    Mask(f64),
+    /// There with probability alpha.
+    Blend,
+}
+
+/// Coverage of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opacity {
+    /// How alpha is used.
+    pub mode: OpacityMode,
+    /// Alpha in [0, 1].
+    pub alpha: ScalarInput,
+}
+
+impl Default for Opacity {
+    fn default() -> Opacity {
+        Opacity {
+            mode: OpacityMode::Opaque,
+            alpha: ScalarInput::from(1.0),
+        }
+    }
+}
+
+/// A tangent-space normal map: `normalize((2t − 1)·(scale, scale, 1))`, +y up (OpenGL).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMap {
+    /// A data texture.
+    pub texture: TextureId,
+    /// Factor on x and y.
+    pub scale: f64,
+}
+
+/// What fills the inside of a solid.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Interior {
+    /// Absorption coefficient per world unit and channel, ≥ 0: transmittance over d is exp(−σ·d).
+    pub absorption: DVec3,
+}
+
+/// The glTF material set (metallic-roughness with its extensions), same words in snake_case.
+/// Roughness is perceptual, α = roughness².
+#[derive(Clone, Debug, PartialEq)]
+pub struct Principled {
+    /// Base colour: diffuse albedo of the dielectric, reflectance at normal incidence of the metal.
+    pub base_color: ColorInput,
+    /// 0 dielectric … 1 metal.
+    pub metallic: ScalarInput,
+    /// Perceptual roughness in [0, 1].
+    pub roughness: ScalarInput,
+    /// Index of refraction of the dielectric, ≥ 1; 0 means infinite (F0 = 1).
+    pub ior: f64,
+    /// Strength of the dielectric's specular lobe (F90 too).
+    pub specular: ScalarInput,
+    /// Tint of the dielectric's F0.
+    pub specular_color: ColorInput,
+    /// Share of the diffuse part that is transmitted instead.
+    pub transmission: ScalarInput,
+    /// Whether transmission is through a solid (refracts, `KHR_materials_volume`) or a thin sheet.
+    pub thick: bool,
+    /// Clearcoat strength.
+    pub clearcoat: ScalarInput,
+    /// Clearcoat perceptual roughness.
+    pub clearcoat_roughness: ScalarInput,
+    /// Normal map of the coat; the vertex normal if `None`.
+    pub clearcoat_normal: Option<NormalMap>,
+    /// Sheen colour.
+    pub sheen_color: ColorInput,
+    /// Sheen perceptual roughness.
+    pub sheen_roughness: ScalarInput,
+    /// Anisotropy strength in [0, 1].
+    pub anisotropy: ScalarInput,
+    /// Rotation of the anisotropy in the tangent plane, radians.
+    pub anisotropy_rotation: f64,
+    /// Share of the diffuse part that leaves on the far side of a thin sheet.
+    pub diffuse_transmission: ScalarInput,
+    /// Its colour.
+    pub diffuse_transmission_color: ColorInput,
+    /// 20 / Abbe number; 0 for none.
+    pub dispersion: f64,
+}
+
+impl Default for Principled {
+    /// The text language's default: a white dielectric of roughness 0.5 (glTF's own defaults are metallic 1, roughness 1).
+    fn default() -> Principled {
+        Principled {
+            base_color: DVec3::ONE.into(),
+            metallic: 0.0.into(),
+            roughness: 0.5.into(),
+            ior: 1.5,
+            specular: 1.0.into(),
+            specular_color: DVec3::ONE.into(),
+            transmission: 0.0.into(),
+            thick: false,
+            clearcoat: 0.0.into(),
+            clearcoat_roughness: 0.0.into(),
+            clearcoat_normal: None,
+            sheen_color: DVec3::ZERO.into(),
+            sheen_roughness: 0.0.into(),
+            anisotropy: 0.0.into(),
+            anisotropy_rotation: 0.0,
+            diffuse_transmission: 0.0.into(),
+            diffuse_transmission_color: DVec3::ONE.into(),
+            dispersion: 0.0,
+        }
+    }
+}
+
+/// POV-Ray's `reflection { … }`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FinishReflection {
+    /// Reflectance at normal incidence.
+    pub min: DVec3,
+    /// Reflectance at grazing incidence.
+    pub max: DVec3,
+    /// Exponent of (1 − cos θ)^falloff between the two.
+    pub falloff: f64,
+    /// Fresnel with the interior's ior decides between min and max instead.
+    pub fresnel: bool,
+    /// Tinted by the pigment by this share.
+    pub metallic: f64,
+}
+
+/// POV-Ray's pigment and finish, as written; `compile` maps them onto lobes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finish {
+    /// Pigment rgb.
+    pub color: ColorInput,
+    /// Share of light that passes straight through, tinted by the pigment.
+    pub filter: f64,
+    /// Share of light that passes straight through, untinted.
+    pub transmit: f64,
+    /// Diffuse amount of the lit side.
+    pub diffuse: f64,
+    /// Diffuse amount that leaves on the other side.
+    pub diffuse_back: f64,
+    /// Exponent of the cosine of the diffuse term.
+    pub brilliance: f64,
+    /// Amount of the Phong highlight.
+    pub phong: f64,
+    /// Exponent of the Phong highlight.
+    pub phong_size: f64,
+    /// Amount of the Blinn highlight.
+    pub specular: f64,
+    /// Roughness of the Blinn highlight (exponent 1/roughness), POV-Ray's scale.
+    pub roughness: f64,
+    /// Share by which highlights take the pigment's colour.
+    pub metallic: f64,
+    /// Mirror reflection.
+    pub reflection: Option<FinishReflection>,
+    /// Whether what is transmitted is reduced by what is reflected.
+    pub conserve_energy: bool,
+    /// `interior { ior }`: bends what passes.
+    pub ior: Option<f64>,
+}
+
+impl Default for Finish {
+    /// POV-Ray 3.7's defaults: black pigment, diffuse 0.6, no highlight.
+    fn default() -> Finish {
+        Finish {
+            color: DVec3::ZERO.into(),
+            filter: 0.0,
+            transmit: 0.0,
+            diffuse: 0.6,
+            diffuse_back: 0.0,
+            brilliance: 1.0,
+            phong: 0.0,
+            phong_size: 40.0,
+            specular: 0.0,
+            roughness: 0.05,
+            metallic: 0.0,
+            reflection: None,
+            conserve_energy: false,
+            ior: None,
+        }
+    }
+}
+
+/// How a surface scatters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SurfaceModel {
+    /// Lambert, or Oren–Nayar if `sigma` (radians) is not 0.
+    Diffuse {
+        /// Albedo.
+        color: ColorInput,
+        /// Oren–Nayar σ in radians.
+        sigma: ScalarInput,
+    },
+    /// A perfect mirror.
+    Specular {
+        /// Reflectance.
+        color: ColorInput,
+    },
+    /// A dielectric solid, smooth if `roughness` is 0. Reflection is white, each crossing is tinted by `color`.
+    Glass {
+        /// Tint of what is transmitted, once per crossing.
+        color: ColorInput,
+        /// Index of refraction, > 0.
+        ior: f64,
+        /// Perceptual roughness.
+        roughness: ScalarInput,
+        /// Abbe number, if it disperses.
+        abbe: Option<f64>,
+    },
+    /// GGX dielectric coat over a diffuse base, or a GGX conductor if `metal`.
+    Glossy {
+        /// Base colour or tint.
+        color: ColorInput,
+        /// Perceptual roughness.
+        roughness: ScalarInput,
+        /// Index of refraction of the coat.
+        ior: f64,
+        /// A conductor tinted `color`.
+        metal: bool,
+    },
+    /// A thin sheet that scatters to both sides.
+    Translucent {
+        /// Albedo.
+        color: ColorInput,
+        /// Share of it that leaves on the far side, [0, 1].
+        transmit: ScalarInput,
+    },
+    /// The glTF set.
+    Principled(Box<Principled>),
+    /// POV-Ray's pigment and finish.
+    Finish(Box<Finish>),
+    /// (1 − weight)·a + weight·b.
+    Mix {
+        /// First material (its surface model only).
+        a: super::MaterialId,
+        /// Second material.
+        b: super::MaterialId,
+        /// Share of the second, [0, 1].
+        weight: ScalarInput,
+    },
+    /// Emits and absorbs, scatters nothing (glTF unlit, `diffuse 0`).
+    Black,
+}
+
+/// A material: how it scatters, what it emits, how much of it is there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name for messages, or empty.
+    pub name: String,
+    /// Scattering.
+    pub surface: SurfaceModel,
+    /// Emitted radiance, linear RGB.
+    pub emission: ColorInput,
+    /// Sides that emit.
+    pub emission_sides: EmissionSides,
+    /// Coverage.
+    pub opacity: Opacity,
+    /// Perturbs the shading normal.
+    pub normal_map: Option<NormalMap>,
+    /// What fills a solid of this material.
+    pub interior: Interior,
+    /// Where it was written.
+    pub place: Place,
+}
+
+impl Material {
+    /// A material that only scatters.
+    pub fn new(surface: SurfaceModel) -> Material {
+        Material {
+            name: String::new(),
+            surface,
+            emission: DVec3::ZERO.into(),
+            emission_sides: EmissionSides::ByShape,
+            opacity: Opacity::default(),
+            normal_map: None,
+            interior: Interior::default(),
+            place: Place::None,
+        }
+    }
+
+    /// A Lambertian surface of this albedo.
+    pub fn diffuse(albedo: DVec3) -> Material {
+        Material::new(SurfaceModel::Diffuse {
+            color: albedo.into(),
+            sigma: 0.0.into(),
+        })
+    }
+
+    /// The same material with emitted radiance added.
+    pub fn emitting(mut self, radiance: DVec3) -> Material {
+        self.emission = radiance.into();
+        self
+    }
+}
