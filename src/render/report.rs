@@ -1,0 +1,120 @@
+//! What is told during and after a render.
+
+/// The estimated error of the whole image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorEstimate {
+    /// E, the relative root mean square error (fraction).
+    pub error: f64,
+    /// Its upper bound at the asked confidence.
+    pub bound: f64,
+}
+
+/// A look at a running render, given to the observer after every tile.
+#[derive(Clone, Debug)]
+pub struct Progress {
+    /// Samples per pixel that are complete all over the image.
+    pub spp: u32,
+    /// Samples traced so far, all pixels.
+    pub samples: u64,
+    /// Samples the render takes if no other rule stops it.
+    pub samples_at_most: u64,
+    /// Share of the work done, in [0, 1], by the rule that is nearest to stopping it.
+    pub fraction: f64,
+    /// Seconds since the clock was started.
+    pub elapsed: f64,
+    /// Seconds that are likely left.
+    pub remaining: Option<f64>,
+    /// The error at the last look, once there was one.
+    pub error: Option<ErrorEstimate>,
+}
+
+/// Somebody who watches a render. Called from the rendering threads: keep it short.
+pub trait Observer: Sync {
+    /// News.
+    fn progress(&self, progress: &Progress);
+
+    /// Whether to stop now; the samples that are complete are kept.
+    fn should_stop(&self) -> bool {
+        false
+    }
+}
+
+/// An observer that watches nothing.
+pub struct Silent;
+
+impl Observer for Silent {
+    fn progress(&self, _: &Progress) {}
+}
+
+/// Why a render ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopReason {
+    /// All samples were taken.
+    Samples,
+    /// The time was up.
+    Time,
+    /// The error goal was reached.
+    Error,
+    /// The observer asked for it.
+    Interrupted,
+}
+
+/// Things that should not happen, counted by kind: nothing is repaired in silence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Anomalies {
+    /// Samples with a NaN or infinite value; they count as black samples.
+    pub non_finite: u64,
+    /// Scattered directions that the shading normal allows and the geometric one does not; they end the path.
+    pub shading_rejected: u64,
+    /// Paths ended because media or surfaces were nested deeper than the stack holds.
+    pub stack_overflow: u64,
+}
+
+impl Anomalies {
+    /// Adds another tally.
+    pub fn add(&mut self, other: &Anomalies) {
+        self.non_finite += other.non_finite;
+        self.shading_rejected += other.shading_rejected;
+        self.stack_overflow += other.stack_overflow;
+    }
+}
+
+/// What a render did.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Why it ended.
+    pub stop: StopReason,
+    /// Samples of every pixel.
+    pub spp: u32,
+    /// Samples of all pixels.
+    pub samples: u64,
+    /// Rays traced, camera, bounce and shadow rays together.
+    pub rays: u64,
+    /// Seconds of rendering.
+    pub seconds: f64,
+    /// The error at the end, where it can be estimated.
+    pub error: Option<ErrorEstimate>,
+    /// What went wrong.
+    pub anomalies: Anomalies,
+}
+
+/// A finished picture: linear RGB means and what else was asked for, row by row from the top left.
+#[derive(Clone, Debug, Default)]
+pub struct Picture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Mean radiance of each pixel.
+    pub rgb: Vec<[f32; 3]>,
+    /// Standard error of the mean; NaN where it cannot be known (one net, fewer than 16 samples).
+    pub stderr: Vec<[f32; 3]>,
+    /// Samples of each pixel.
+    pub samples: Vec<u32>,
+    /// Mean distance along the view axis of first hits; infinite where nothing was hit.
+    pub depth: Option<Vec<f32>>,
+    /// Unit mean normal facing the camera; zero where nothing was hit.
+    pub normal: Option<Vec<[f32; 3]>>,
+    /// Mean albedo.
+    pub albedo: Option<Vec<[f32; 3]>>,
+}

@@ -1,0 +1,97 @@
+//! What a render is asked to do.
+
+/// How direct light is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Direct {
+    /// Light sampling and hits, combined by multiple importance sampling.
+    #[default]
+    Mis,
+    /// Light sampling only (hits count where no light sample can reach).
+    Light,
+    /// Hits only; lamps without a shape are still sampled.
+    Bsdf,
+}
+
+/// The pixel filter; all are sampled, so that each sample belongs to one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Filter {
+    /// Uniform over the pixel.
+    Box,
+    /// Gaussian, σ = 0.5 px, cut at 1.5 px.
+    Gaussian,
+    /// Blackman–Harris of radius 1.5 px.
+    #[default]
+    BlackmanHarris,
+}
+
+/// When to stop; the first reached wins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StopRules {
+    /// Samples per pixel at most, > 0.
+    pub spp: u32,
+    /// Seconds of wall clock from `Settings::started`.
+    pub seconds: Option<f64>,
+    /// Image error E to reach, as a fraction.
+    pub error: Option<f64>,
+    /// Confidence of the error bound, in (0, 1).
+    pub confidence: f64,
+}
+
+/// Which extra layers are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Aovs {
+    /// Distance along the view axis of the first hit.
+    pub depth: bool,
+    /// Mean shading normal of the first hit, world axes.
+    pub normal: bool,
+    /// Mean albedo of the first hit.
+    pub albedo: bool,
+}
+
+/// Everything that decides the bits of a picture, besides the scene.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Columns, > 0.
+    pub width: u32,
+    /// Rows, > 0.
+    pub height: u32,
+    /// When to stop.
+    pub stop: StopRules,
+    /// Seed of all samples.
+    pub seed: u64,
+    /// Independently scrambled nets: 1, 4, 8 or 16.
+    pub nets: u32,
+    /// Most bounces after the first hit; `u32::MAX` for no limit.
+    pub max_depth: u32,
+    /// Pixel filter.
+    pub filter: Filter,
+    /// How direct light is found.
+    pub direct: Direct,
+    /// Extra layers.
+    pub aovs: Aovs,
+    /// When the clock of the time limit started.
+    pub started: std::time::Instant,
+}
+
+impl Settings {
+    /// Settings for a picture of this size and sample count; everything else as by default.
+    pub fn new(width: u32, height: u32, spp: u32) -> Settings {
+        Settings {
+            width,
+            height,
+            stop: StopRules {
+                spp,
+                seconds: None,
+                error: None,
+                confidence: 0.9,
+            },
+            seed: 0,
+            nets: 4,
+            max_depth: u32::MAX,
+            filter: Filter::default(),
+            direct: Direct::default(),
+            aovs: Aovs::default(),
+            started: std::time::Instant::now(),
+        }
+    }
+}
