@@ -4,7 +4,12 @@
 //! transforms and analytic shapes stay f64. `compile` fills the data, `driver` runs passes over tiles,
 //! `kernel` traces one path, `film` sums.
 
+pub mod camera;
+pub mod estimate;
+pub mod film;
+pub mod medium;
 pub mod ray;
 pub mod report;
+pub mod sampler;
 pub mod settings;
 pub mod surface;
