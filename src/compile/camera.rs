@@ -1,0 +1,79 @@
+//! The camera of the scene becomes the engine's, at the origin of camera-relative space.
+
+use crate::diag::{Diagnostic, Diagnostics};
+use crate::render::camera::Camera as RenderCamera;
+use crate::scene::{Aspect, Camera, Projection};
+use glam::DVec3;
+
+/// Turns a camera into the engine's for a picture of this shape. Errors: no direction, no width or height, or
+/// a plane in focus that is not in front of the lens.
+pub fn compile_camera(camera: &Camera, width: u32, height: u32, diags: &mut Diagnostics) -> Option<RenderCamera> {
+    let mut right = camera.right;
+    if camera.aspect == Aspect::FromImage {
+        let aspect = f64::from(width) / f64::from(height);
+        right = right.normalize_or(DVec3::X) * (camera.up.length() * aspect);
+    }
+    let mut refuse = |message: String, hint: &str| {
+        diags.push(super::at_place(Diagnostic::error("C0201", message).hint(hint), &camera.place));
+    };
+    let area = right.cross(camera.up);
+    let vectors_finite = camera.direction.is_finite() && area.is_finite() && camera.location.is_finite();
+    if !vectors_finite || camera.direction.dot(area) == 0.0 {
+        refuse(
+            format!(
+                "the camera has no picture: direction {}, right {right} and up {} do not span space",
+                camera.direction, camera.up
+            ),
+            "`look_at` must differ from `location`, and `sky` must not point along the view",
+        );
+        return None;
+    }
+    if camera.lens_radius > 0.0 && (camera.focus_distance <= 0.0 || camera.focus_distance.is_nan()) {
+        refuse(
+            format!("the focus distance must be positive, found {}", camera.focus_distance),
+            "it is measured along the view axis from the camera",
+        );
+        return None;
+    }
+    if !(camera.lens_radius.is_finite() && camera.lens_radius >= 0.0) {
+        refuse(
+            format!("the lens radius must be 0 or more, found {}", camera.lens_radius),
+            "0 is a pinhole",
+        );
+        return None;
+    }
+    Some(RenderCamera {
+        direction: camera.direction,
+        right,
+        up: camera.up,
+        orthographic: camera.projection == Projection::Orthographic,
+        lens_radius: camera.lens_radius,
+        focus_distance: camera.focus_distance,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gltf_camera_keeps_its_vertical_field_of_view() {
+        let camera = Camera {
+            aspect: Aspect::FromImage,
+            up: DVec3::Y * 2.0,
+            ..Camera::default()
+        };
+        let wide = compile_camera(&camera, 200, 50, &mut Diagnostics::default());
+        assert_eq!(wide.map(|c| (c.right, c.up)), Some((DVec3::X * 8.0, DVec3::Y * 2.0)));
+    }
+
+    #[test]
+    fn a_camera_without_a_direction_is_refused() {
+        let camera = Camera {
+            direction: DVec3::ZERO,
+            ..Camera::default()
+        };
+        let mut diags = Diagnostics::default();
+        assert!(compile_camera(&camera, 4, 4, &mut diags).is_none() && diags.has_errors());
+    }
+}

@@ -1,0 +1,484 @@
+//! The path tracer: one sample of one pixel.
+//!
+//! A loop, not a recursion. At each surface: light it emits (weighted against light sampling), one light sample,
+//! one scattered direction, roulette. A pass-through (coverage, straight transmission) does not count as a
+//! bounce: the path goes on as if the surface were not there, and light sampling looks through it as well.
+
+use super::bsdf::Bsdf;
+use super::light::{HitOnLight, LightSample, mis_weight};
+use super::material::Material;
+use super::medium::MediumStack;
+use super::ray::{PrimRef, Ray, ray_mask};
+use super::report::Anomalies;
+use super::sampler::{Group, Repeated, Sampler};
+use super::scene::CompiledScene;
+use super::settings::{Direct, Settings};
+use super::surface::{Attributes, Surface};
+use crate::math::frame::Frame;
+use crate::math::robust::offset_origin;
+use glam::{Vec2, Vec3};
+
+/// Scatterings before roulette begins.
+const ROULETTE_FROM: u32 = 4;
+/// From this bounce on a path survives with at most 98 %, so that lossless rooms end.
+const ROULETTE_ALWAYS_FROM: u32 = 32;
+/// Surfaces a ray may pass through between two scatterings before it is given up (counted as an anomaly).
+const MOST_PASSES: u32 = 4096;
+
+/// Counts kept while tracing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PathStats {
+    /// Rays of all kinds.
+    pub rays: u64,
+    /// What should not happen.
+    pub anomalies: Anomalies,
+}
+
+/// What the camera ray met first; for extra layers.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstHit {
+    /// Distance along the view axis; infinite if nothing was hit.
+    pub depth: f32,
+    /// Shading normal facing the camera; zero if nothing was hit.
+    pub normal: Vec3,
+    /// Albedo seen from the camera.
+    pub albedo: Vec3,
+}
+
+/// One sample.
+#[derive(Clone, Copy, Debug)]
+pub struct PathSample {
+    /// Radiance, linear RGB; finite.
+    pub radiance: Vec3,
+    /// The first surface.
+    pub first: FirstHit,
+}
+
+/// The vertex a ray left, as far as weighting the light it may hit needs it.
+#[derive(Clone, Copy)]
+struct Departure {
+    p: Vec3,
+    n: Vec3,
+    two_sided: bool,
+    /// Density of the direction; `None` if light sampling cannot compete (camera, delta lobe).
+    pdf: Option<f32>,
+}
+
+/// A scene with settings, ready to trace.
+pub struct Kernel<'a> {
+    scene: &'a CompiledScene,
+    seed: u64,
+    nets: u32,
+    max_depth: u32,
+    direct: Direct,
+    /// Whether surfaces take light samples at all.
+    sample_lights: bool,
+    /// What the camera is inside of.
+    camera_media: MediumStack,
+    axis: Vec3,
+    aovs: bool,
+}
+
+impl<'a> Kernel<'a> {
+    /// Prepares tracing.
+    pub fn new(scene: &'a CompiledScene, settings: &Settings) -> Kernel<'a> {
+        let lights = &scene.lights;
+        let a = settings.aovs;
+        Kernel {
+            scene,
+            seed: settings.seed,
+            nets: settings.nets,
+            max_depth: settings.max_depth,
+            direct: settings.direct,
+            sample_lights: if settings.direct == Direct::Bsdf { lights.has_delta() } else { !lights.is_empty() },
+            camera_media: if scene.traits.solids { media_around_camera(scene) } else { MediumStack::default() },
+            axis: scene.camera.axis(),
+            aovs: a.depth || a.normal || a.albedo,
+        }
+    }
+
+    /// The numbers of a sample.
+    pub fn sampler(&self, pixel: u32, sample: u32) -> Sampler {
+        Sampler::new(self.seed, pixel, u64::from(sample), self.nets)
+    }
+
+    /// Traces one path. A sample with a NaN or infinite value is counted and becomes black.
+    pub fn trace(
+        &self,
+        sampler: &Sampler,
+        stats: &mut PathStats,
+        camera_ray: impl FnOnce([f32; 4]) -> Ray,
+    ) -> PathSample {
+        let ray = camera_ray(sampler.get4(0, Group::Primary));
+        let mut sample = self.path(sampler, stats, ray);
+        if !sample.radiance.is_finite() {
+            stats.anomalies.non_finite += 1;
+            sample.radiance = Vec3::ZERO;
+        }
+        sample
+    }
+
+    fn path(&self, sampler: &Sampler, stats: &mut PathStats, mut ray: Ray) -> PathSample {
+        let scene = self.scene;
+        let camera = ray;
+        let mut out = PathSample {
+            radiance: Vec3::ZERO,
+            first: FirstHit {
+                depth: f32::INFINITY,
+                normal: Vec3::ZERO,
+                albedo: Vec3::ZERO,
+            },
+        };
+        let mut throughput = Vec3::ONE;
+        let mut from = Departure {
+            p: ray.origin,
+            n: Vec3::ZERO,
+            two_sided: true,
+            pdf: None,
+        };
+        let mut media = self.camera_media;
+        let mut eta_scale = 1.0f32;
+        let mut bounce = 1u32; // 1 is the first surface
+        let mut passes = 0u32;
+        loop {
+            stats.rays += 1;
+            let Some(hit) = scene.geometry.closest(&ray) else {
+                out.radiance += throughput * self.escaped(&ray, &from, bounce);
+                return out;
+            };
+            let surface = scene.geometry.surface(&ray, &hit);
+            let material = &scene.materials[surface.material as usize];
+            let computed;
+            let attributes = if material.needs_attributes {
+                computed = scene.geometry.attributes(&hit, &surface);
+                &computed
+            } else {
+                &NO_ATTRIBUTES
+            };
+            if !media.is_empty() {
+                throughput *= media.transmittance(hit.t);
+            }
+            let wo = -ray.dir;
+            let front = wo.dot(surface.ng) >= 0.0;
+            if material.has_alpha() {
+                let alpha = material.alpha(&scene.textures, attributes);
+                if alpha < 1.0 && sampler.repeated(bounce, Repeated::Coverage, passes) >= alpha {
+                    if passes == MOST_PASSES {
+                        stats.anomalies.stack_overflow += 1;
+                        return out;
+                    }
+                    passes += 1;
+                    ray = go_on(&ray, &surface);
+                    continue;
+                }
+            }
+            if material.emits(front) {
+                let emitted = material.emission(&scene.textures, attributes);
+                out.radiance += throughput * emitted * self.hit_weight(&ray, &from, &surface, hit.t);
+            }
+            if bounce > self.max_depth && !self.aovs {
+                return out;
+            }
+
+            let ns = self.shading_normal(material, attributes, &surface, wo);
+            let frame = Frame::from_normal(ns);
+            let wo_local = frame.to_local(wo);
+            let outer_ior = if scene.traits.solids { media.ior_around(surface.prim.object) } else { 1.0 };
+            let mut mixes = 0;
+            let bsdf = material.bsdf(
+                &scene.materials,
+                &scene.textures,
+                attributes,
+                &frame,
+                outer_ior,
+                &mut || {
+                    mixes += 1;
+                    sampler.repeated(bounce, Repeated::Mix, passes * 64 + mixes)
+                },
+            );
+            if self.aovs && bounce == 1 && out.first.depth.is_infinite() {
+                let facing = if ns.dot(wo) < 0.0 { -ns } else { ns };
+                out.first = FirstHit {
+                    depth: (surface.p - camera.origin * 0.0).dot(self.axis),
+                    normal: facing,
+                    albedo: bsdf.albedo(wo_local),
+                };
+            }
+            if bounce > self.max_depth {
+                return out;
+            }
+
+            let (scatter, light) = if passes == 0 {
+                (sampler.get4(bounce, Group::Primary), None)
+            } else {
+                (
+                    sampler.repeated4(bounce, Group::Primary, passes),
+                    Some(sampler.repeated4(bounce, Group::Light, passes)),
+                )
+            };
+            let delta_only = bsdf.is_delta_only();
+            let two_sided = bsdf.transmits();
+            let toward = if wo_local.z < 0.0 { -ns } else { ns };
+            if self.sample_lights && !delta_only {
+                let u = light.unwrap_or_else(|| sampler.get4(bounce, Group::Light));
+                let sampled = scene.lights.sample(surface.p, toward, two_sided, u[2], Vec2::new(u[0], u[1]));
+                if let Some(light) = sampled
+                    && (light.delta || self.direct != Direct::Bsdf)
+                {
+                    let lit = self.lit(&light, &bsdf, &frame, wo_local, wo, &surface, &media, stats);
+                    out.radiance += throughput * lit;
+                }
+            }
+
+            let Some(s) = bsdf.sample(wo_local, Vec2::new(scatter[0], scatter[1]), scatter[2]) else {
+                return out;
+            };
+            let wi = frame.to_world(s.wi).normalize();
+            let crosses = s.wi.z * wo_local.z < 0.0;
+            if crosses != (wi.dot(surface.ng) * wo.dot(surface.ng) < 0.0) {
+                stats.anomalies.shading_rejected += 1;
+                return out;
+            }
+            throughput *= s.weight;
+            if s.straight {
+                if passes == MOST_PASSES {
+                    stats.anomalies.stack_overflow += 1;
+                    return out;
+                }
+                passes += 1;
+                ray = go_on(&ray, &surface);
+                continue;
+            }
+            if crosses && material.is_solid() {
+                if front {
+                    if !media.enter(surface.prim.object, material.ior, material.absorption) {
+                        stats.anomalies.stack_overflow += 1;
+                        return out;
+                    }
+                } else {
+                    media.leave(surface.prim.object);
+                }
+            }
+            eta_scale *= s.eta * s.eta;
+
+            if bounce >= ROULETTE_FROM {
+                let most = if bounce >= ROULETTE_ALWAYS_FROM { 0.98 } else { 1.0 };
+                let survival = (throughput.max_element() * eta_scale).min(most);
+                if scatter[3] >= survival {
+                    return out;
+                }
+                throughput /= survival;
+            } else if throughput == Vec3::ZERO {
+                return out;
+            }
+            from = Departure {
+                p: surface.p,
+                n: toward,
+                two_sided,
+                pdf: (!s.delta).then_some(s.pdf),
+            };
+            ray = Ray {
+                origin: offset_origin(surface.p, surface.p_error, surface.ng, wi),
+                dir: wi,
+                t_max: f32::INFINITY,
+                from: surface.prim,
+                to: PrimRef::NONE,
+                mask: ray_mask::INDIRECT,
+            };
+            bounce += 1;
+            passes = 0;
+        }
+    }
+
+    /// The unit shading normal on the geometric normal's side; the geometric one where the viewer would see
+    /// the shading normal from behind.
+    fn shading_normal(&self, material: &Material, attributes: &Attributes, surface: &Surface, wo: Vec3) -> Vec3 {
+        let ns = if material.has_normal_map() {
+            material.shading_normal(&self.scene.textures, attributes, surface, wo)
+        } else {
+            surface.ns
+        };
+        if ns.dot(wo) * surface.ng.dot(wo) > 0.0 { ns } else { surface.ng }
+    }
+
+    /// Radiance from infinity, weighted against light sampling.
+    fn escaped(&self, ray: &Ray, from: &Departure, bounce: u32) -> Vec3 {
+        if bounce == 1
+            && let Some(backdrop) = self.scene.backdrop
+        {
+            return backdrop;
+        }
+        let lights = &self.scene.lights;
+        let radiance = lights.escaped(ray.dir);
+        if radiance == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let weight = self.weight(from, || lights.environment_pdf(from.p, from.n, from.two_sided, ray.dir));
+        radiance * weight
+    }
+
+    /// The weight of emission that a scattered ray hit.
+    fn hit_weight(&self, ray: &Ray, from: &Departure, surface: &Surface, t: f32) -> f32 {
+        if surface.light == Surface::NOT_A_LIGHT {
+            return 1.0;
+        }
+        self.weight(from, || {
+            let hit = HitOnLight {
+                p: surface.p,
+                ng: surface.ng,
+                distance: t,
+            };
+            self.scene.lights.pdf(surface.light, from.p, from.n, from.two_sided, ray.dir, &hit)
+        })
+    }
+
+    /// Weight of a scattered direction against a light sample of density `light_pdf`.
+    fn weight(&self, from: &Departure, light_pdf: impl FnOnce() -> f32) -> f32 {
+        match (from.pdf, self.direct) {
+            (None, _) | (_, Direct::Bsdf) => 1.0,
+            (Some(pdf), Direct::Mis) => mis_weight(pdf, light_pdf()),
+            (Some(_), Direct::Light) => f32::from(u8::from(light_pdf() == 0.0)),
+        }
+    }
+
+    /// What one light sample adds to the radiance that leaves the surface.
+    #[allow(clippy::too_many_arguments)] // one call site; a struct would only rename them
+    fn lit(
+        &self,
+        light: &LightSample,
+        bsdf: &Bsdf,
+        frame: &Frame,
+        wo_local: Vec3,
+        wo: Vec3,
+        surface: &Surface,
+        media: &MediumStack,
+        stats: &mut PathStats,
+    ) -> Vec3 {
+        let wi_local = frame.to_local(light.wi);
+        let crosses = wi_local.z * wo_local.z < 0.0;
+        if crosses != (light.wi.dot(surface.ng) * wo.dot(surface.ng) < 0.0) {
+            return Vec3::ZERO;
+        }
+        let (f, bsdf_pdf) = bsdf.eval_pdf(wo_local, wi_local);
+        if f == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let weight = if light.delta || self.direct == Direct::Light { 1.0 } else { mis_weight(light.pdf, bsdf_pdf) };
+        let unshadowed = f * light.radiance * (weight / light.pdf);
+        if unshadowed == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let ray = Ray {
+            origin: offset_origin(surface.p, surface.p_error, surface.ng, light.wi),
+            dir: light.wi,
+            t_max: light.t_max,
+            from: surface.prim,
+            to: light.to,
+            mask: ray_mask::SHADOW,
+        };
+        unshadowed * self.visibility(light, ray, media, stats)
+    }
+
+    /// The share of a light sample's radiance that arrives, per channel.
+    fn visibility(&self, light: &LightSample, mut ray: Ray, media: &MediumStack, stats: &mut PathStats) -> Vec3 {
+        let traits = self.scene.traits;
+        let through_glass = light.delta && traits.lamp_through_glass;
+        if !light.casts_shadow {
+            return Vec3::ONE;
+        }
+        if !traits.see_through && !through_glass {
+            stats.rays += 1;
+            if self.scene.geometry.occluded(&ray) {
+                return Vec3::ZERO;
+            }
+            return media.transmittance(light.t_max);
+        }
+        let mut media = *media;
+        let mut left = Vec3::ONE;
+        for _ in 0..MOST_PASSES {
+            stats.rays += 1;
+            let Some(hit) = self.scene.geometry.closest(&ray) else {
+                return left * media.transmittance(ray.t_max);
+            };
+            let surface = self.scene.geometry.surface(&ray, &hit);
+            let material = &self.scene.materials[surface.material as usize];
+            let attributes = if material.needs_attributes {
+                self.scene.geometry.attributes(&hit, &surface)
+            } else {
+                NO_ATTRIBUTES
+            };
+            let cos = ray.dir.dot(surface.ng);
+            let straight = if material.is_solid() && !through_glass {
+                Vec3::ZERO
+            } else {
+                material.straight_transmittance(&self.scene.materials, &self.scene.textures, &attributes, cos.abs())
+            };
+            let alpha = if material.has_alpha() { material.alpha(&self.scene.textures, &attributes) } else { 1.0 };
+            left *= media.transmittance(hit.t) * (straight * alpha + Vec3::splat(1.0 - alpha));
+            if left == Vec3::ZERO {
+                return left;
+            }
+            if material.is_solid() && alpha > 0.0 {
+                if cos < 0.0 {
+                    media.enter(surface.prim.object, material.ior, material.absorption);
+                } else {
+                    media.leave(surface.prim.object);
+                }
+            }
+            let t_max = ray.t_max - hit.t;
+            if t_max <= 0.0 {
+                return left;
+            }
+            ray = Ray { t_max, ..go_on(&ray, &surface) };
+        }
+        stats.anomalies.stack_overflow += 1;
+        Vec3::ZERO
+    }
+}
+
+/// The same ray behind a surface it passes through.
+fn go_on(ray: &Ray, surface: &Surface) -> Ray {
+    Ray {
+        origin: offset_origin(surface.p, surface.p_error, surface.ng, ray.dir),
+        from: surface.prim,
+        ..*ray
+    }
+}
+
+static NO_ATTRIBUTES: Attributes = Attributes {
+    uv: [Vec2::ZERO; 4],
+    color: glam::Vec4::ONE,
+    tangent: Vec3::ZERO,
+    bitangent: Vec3::ZERO,
+};
+
+/// The solids around the camera, by walking a ray to infinity and looking from which side each is left.
+fn media_around_camera(scene: &CompiledScene) -> MediumStack {
+    // A direction that no axis-aligned face contains.
+    let dir = Vec3::new(0.267_261_24, 0.534_522_5, 0.801_783_7);
+    let mut ray = Ray::new(Vec3::ZERO, dir);
+    let mut left_from_inside = Vec::new();
+    let mut open: Vec<u32> = Vec::new();
+    for _ in 0..MOST_PASSES {
+        let Some(hit) = scene.geometry.closest(&ray) else { break };
+        let surface = scene.geometry.surface(&ray, &hit);
+        let material = &scene.materials[surface.material as usize];
+        if material.is_solid() {
+            let object = surface.prim.object;
+            if dir.dot(surface.ng) < 0.0 {
+                open.push(object);
+            } else if let Some(i) = open.iter().rposition(|&o| o == object) {
+                open.remove(i);
+            } else {
+                left_from_inside.push((object, material.ior, material.absorption));
+            }
+        }
+        ray = go_on(&ray, &surface);
+    }
+    // The first one left is the innermost.
+    let mut media = MediumStack::default();
+    for (object, ior, absorption) in left_from_inside.into_iter().rev() {
+        media.enter(object, ior, absorption);
+    }
+    media
+}
