@@ -4,6 +4,7 @@
 //! transforms and analytic shapes stay f64. `compile` fills the data, `driver` runs passes over tiles,
 //! `kernel` traces one path, `film` sums.
 
+pub mod light;
 pub mod ray;
 pub mod report;
 pub mod settings;
