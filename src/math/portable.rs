@@ -26,6 +26,11 @@ pub fn acos(x: f32) -> f32 {
     libm::acosf(x.clamp(-1.0, 1.0))
 }
 
+/// Cosine in f64, for tables made before rendering.
+pub fn cos_f64(x: f64) -> f64 {
+    libm::cos(x)
+}
+
 /// (sin 2πu, cos 2πu) for u in [0, 1], absolute error below 2e-7, and exactly on the axes at quarter turns.
 /// Reduction by quarter turns is exact, then Taylor polynomials on [−π/4, π/4].
 pub fn sin_cos_turns(u: f32) -> (f32, f32) {

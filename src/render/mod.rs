@@ -7,6 +7,7 @@
 pub mod camera;
 pub mod estimate;
 pub mod film;
+pub mod light;
 pub mod medium;
 pub mod ray;
 pub mod report;
