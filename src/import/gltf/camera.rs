@@ -1,0 +1,68 @@
+//! Cameras: they look along their node's −z with +y up.
+
+use super::Loader;
+use crate::scene::{Aspect, Camera, Projection};
+use glam::{DAffine3, DVec3};
+use gltf::json;
+use json::camera::Type;
+use json::validation::Checked;
+
+/// The shape of a picture whose camera does not give one.
+const DEFAULT_ASPECT: f64 = 4.0 / 3.0;
+
+impl Loader<'_> {
+    /// Adds camera `index` at a node's place. The node's scale does not matter; a mirrored node mirrors the picture.
+    pub(super) fn load_camera(&mut self, index: usize, world: DAffine3, node: String, at: &str) {
+        let Some(raw) = self.doc.raw("cameras", index, at, &mut self.report) else {
+            return;
+        };
+        let Some(camera) = self.doc.get::<json::Camera>(index, at, &mut self.report) else {
+            return;
+        };
+        let at = format!("cameras[{index}]");
+        let (height, aspect, projection) = match (camera.type_, camera.perspective, camera.orthographic) {
+            (Checked::Valid(Type::Perspective), Some(p), _) => {
+                let yfov = f64::from(p.yfov);
+                if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
+                    let message = format!("is {yfov} rad, expected more than 0 and less than π");
+                    self.report.error("G0811", &format!("{at}.perspective.yfov"), message);
+                    return;
+                }
+                let aspect = p.aspect_ratio.map_or(DEFAULT_ASPECT, f64::from);
+                (2.0 * (yfov / 2.0).tan(), aspect, Projection::Perspective)
+            }
+            (Checked::Valid(Type::Orthographic), _, Some(o)) => {
+                let (x, y) = (f64::from(o.xmag).abs(), f64::from(o.ymag).abs());
+                (2.0 * y, x / y, Projection::Orthographic)
+            }
+            _ => {
+                let message = "has no known `type` with the object of that name, expected perspective or orthographic";
+                self.report.error("G0812", &at, message);
+                return;
+            }
+        };
+        if !(height > 0.0 && height.is_finite() && aspect > 0.0 && aspect.is_finite()) {
+            let message = format!("its height {height} or aspect ratio {aspect} is not positive and finite");
+            self.report.error("G0812", &at, message);
+            return;
+        }
+        let axes = world.matrix3;
+        let direction = (-axes.z_axis).normalize_or(DVec3::NEG_Z);
+        let up = axes.y_axis - direction * axes.y_axis.dot(direction);
+        let up = up.normalize_or(direction.any_orthonormal_vector());
+        let mirror = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let own = raw.get("name").and_then(|n| n.as_str()).filter(|n| !n.is_empty());
+        self.scene.cameras.push(Camera {
+            name: own.map_or(node, str::to_owned),
+            location: world.translation,
+            direction,
+            right: direction.cross(up) * (mirror * height * aspect),
+            up: up * height,
+            aspect: Aspect::FromImage,
+            projection,
+            lens_radius: 0.0,
+            focus_distance: 1.0,
+            place: self.report.origin(&at),
+        });
+    }
+}

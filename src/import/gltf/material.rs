@@ -1,0 +1,343 @@
+//! Materials: the core's metallic-roughness model and the extensions that refine it.
+
+use super::Loader;
+use super::extension::{FINITE, Fields, NOT_NEGATIVE, UNIT, limit};
+use crate::diag::Diagnostic;
+use crate::scene::{
+    Channel, ColorInput, EmissionSides, Encoding, Material, MaterialId, NormalMap, Opacity, OpacityMode, Principled,
+    ScalarInput, SurfaceModel, Texture, TextureId,
+};
+use glam::{DVec3, DVec4};
+use gltf::json;
+use json::material::AlphaMode;
+use json::validation::Checked;
+use serde_json::Value;
+
+/// Base colour and coverage, which share a texture.
+struct Base {
+    factor: DVec4,
+    texture: Option<TextureId>,
+}
+
+impl Loader<'_> {
+    /// The material `index`, referred to at `at`; `colors`: multiplied by the mesh's vertex colours. `None` if it is broken (reported).
+    pub(super) fn material(&mut self, index: usize, colors: bool, at: &str) -> Option<MaterialId> {
+        if let Some(known) = self.materials.get(&(index, colors)) {
+            return *known;
+        }
+        let made = self.read_material(index, colors, at);
+        self.materials.insert((index, colors), made);
+        made
+    }
+
+    /// The material of primitives that name none: white, metallic 1, roughness 1 (specification 3.9.1).
+    pub(super) fn default_material(&mut self, colors: bool) -> MaterialId {
+        let key = (usize::MAX, colors);
+        if let Some(Some(known)) = self.materials.get(&key) {
+            return *known;
+        }
+        let texture = colors.then(|| self.vertex_color());
+        let surface = SurfaceModel::Principled(Box::new(Principled {
+            base_color: color_input(DVec3::ONE, texture),
+            metallic: 1.0.into(),
+            roughness: 1.0.into(),
+            ..Principled::default()
+        }));
+        let material = Material {
+            name: "default".to_owned(),
+            emission_sides: EmissionSides::Front,
+            place: self.report.origin(""),
+            ..Material::new(surface)
+        };
+        let id = self.scene.add_material(material);
+        self.materials.insert(key, Some(id));
+        id
+    }
+
+    fn read_material(&mut self, index: usize, colors: bool, at: &str) -> Option<MaterialId> {
+        let raw = self.doc.raw(TABLE, index, at, &mut self.report)?;
+        let core: json::Material = self.doc.get(index, at, &mut self.report)?;
+        let at = format!("{TABLE}[{index}]");
+        let base = self.base_of(raw, &core, colors, &at);
+        let sides = if core.double_sided {
+            EmissionSides::Both
+        } else {
+            EmissionSides::Front
+        };
+        let mut material = Material {
+            name: self.doc.name(TABLE, index),
+            emission_sides: sides,
+            opacity: self.opacity_of(&core, &base, &at),
+            place: self.report.origin(&at),
+            ..Material::new(SurfaceModel::Black)
+        };
+        if raw
+            .get("extensions")
+            .is_some_and(|e| e.get("KHR_materials_unlit").is_some())
+        {
+            // The colour is what the camera should see, from either side.
+            material.emission = color_input(base.factor.truncate(), base.texture);
+            material.emission_sides = EmissionSides::Both;
+            return Some(self.scene.add_material(material));
+        }
+        material.emission = self.emission_of(raw, &core, &at);
+        material.normal_map = self.normal_map(raw.get("normalTexture"), &format!("{at}.normalTexture"));
+        let mut surface = self.core_surface(raw, &core, &base, &at);
+        material.interior.absorption = self.refine(raw, &mut surface, &at);
+        let gloss = self.apply_specular_glossiness(raw, &mut surface, &at);
+        material.surface = match gloss {
+            Some(gloss) => self.surface_with_gloss_map(surface, gloss),
+            None => SurfaceModel::Principled(Box::new(surface)),
+        };
+        Some(self.scene.add_material(material))
+    }
+
+    /// Base colour factor and texture, of the metallic-roughness model or of the older specular-glossiness one.
+    fn base_of(&mut self, raw: &Value, core: &json::Material, colors: bool, at: &str) -> Base {
+        let (mut factor, info, place) = match Fields::of(raw, SPECULAR_GLOSSINESS, at) {
+            Some(old) => (
+                old.numbers("diffuseFactor", [1.0; 4], FINITE, &mut self.report),
+                old.member("diffuseTexture"),
+                old.place("diffuseTexture"),
+            ),
+            None => (
+                core.pbr_metallic_roughness.base_color_factor.0.map(f64::from),
+                raw.get(PBR).and_then(|p| p.get("baseColorTexture")),
+                format!("{at}.{PBR}.baseColorTexture"),
+            ),
+        };
+        for (i, f) in factor.iter_mut().enumerate() {
+            *f = limit(*f, UNIT, &format!("{at}: base colour factor [{i}]"), &mut self.report);
+        }
+        let mut texture = self.texture(info, Encoding::Srgb, &place);
+        if colors {
+            let vertex = self.vertex_color();
+            texture = Some(match texture {
+                Some(image) => self.scene.add_texture(Texture::Product(image, vertex)),
+                None => vertex,
+            });
+        }
+        Base {
+            factor: DVec4::from_array(factor),
+            texture,
+        }
+    }
+
+    fn opacity_of(&mut self, core: &json::Material, base: &Base, at: &str) -> Opacity {
+        let mode = match core.alpha_mode {
+            Checked::Valid(AlphaMode::Opaque) => return Opacity::default(),
+            Checked::Valid(AlphaMode::Mask) => {
+                let cutoff = core.alpha_cutoff.unwrap_or_default().0;
+                OpacityMode::Mask(limit(
+                    cutoff.into(),
+                    NOT_NEGATIVE,
+                    &format!("{at}.alphaCutoff"),
+                    &mut self.report,
+                ))
+            }
+            Checked::Valid(AlphaMode::Blend) => OpacityMode::Blend,
+            Checked::Invalid => {
+                let message = "is none of OPAQUE, MASK, BLEND; OPAQUE is used";
+                self.report.warning("G0206", &format!("{at}.alphaMode"), message);
+                return Opacity::default();
+            }
+        };
+        let alpha = scalar_input(base.factor.w, base.texture, Channel::A);
+        Opacity { mode, alpha }
+    }
+
+    /// Emitted radiance: `emissiveFactor · emissiveStrength · texture`, in W·sr⁻¹·m⁻².
+    fn emission_of(&mut self, raw: &Value, core: &json::Material, at: &str) -> ColorInput {
+        let strength = Fields::of_or_empty(raw, "KHR_materials_emissive_strength", at);
+        let strength = strength.number("emissiveStrength", 1.0, NOT_NEGATIVE, &mut self.report);
+        let place = format!("{at}.emissiveFactor");
+        let factor = core.emissive_factor.0;
+        let factor = factor.map(|f| limit(f.into(), NOT_NEGATIVE, &place, &mut self.report));
+        let factor = DVec3::from_array(factor) * strength;
+        if factor == DVec3::ZERO {
+            return factor.into();
+        }
+        let place = format!("{at}.emissiveTexture");
+        let texture = self.texture(raw.get("emissiveTexture"), Encoding::Srgb, &place);
+        color_input(factor, texture)
+    }
+
+    /// The surface by the core specification alone.
+    fn core_surface(&mut self, raw: &Value, core: &json::Material, base: &Base, at: &str) -> Principled {
+        let pbr = &core.pbr_metallic_roughness;
+        let at = format!("{at}.{PBR}");
+        let mut share = |value: f32, name: &str| limit(value.into(), UNIT, &format!("{at}.{name}"), &mut self.report);
+        let metallic = share(pbr.metallic_factor.0, "metallicFactor");
+        let roughness = share(pbr.roughness_factor.0, "roughnessFactor");
+        let info = raw.get(PBR).and_then(|p| p.get("metallicRoughnessTexture"));
+        let info = info.filter(|_| metallic != 0.0 || roughness != 0.0);
+        let texture = self.texture(info, Encoding::Linear, &format!("{at}.metallicRoughnessTexture"));
+        Principled {
+            base_color: color_input(base.factor.truncate(), base.texture),
+            metallic: scalar_input(metallic, texture, Channel::B),
+            roughness: scalar_input(roughness, texture, Channel::G),
+            ..Principled::default()
+        }
+    }
+
+    /// The extensions that refine the surface. Returns the absorption of the inside per world unit.
+    fn refine(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> DVec3 {
+        if let Some(ior) = Fields::of(raw, "KHR_materials_ior", at) {
+            surface.ior = ior.number("ior", 1.5, NOT_NEGATIVE, &mut self.report);
+            if surface.ior != 0.0 {
+                surface.ior = limit(surface.ior, 1.0..=f64::MAX, &ior.place("ior"), &mut self.report);
+            }
+        }
+        if let Some(e) = Fields::of(raw, "KHR_materials_specular", at) {
+            surface.specular = self.scalar(&e, "specularFactor", 1.0, "specularTexture", Channel::A);
+            surface.specular_color = self.color(&e, "specularColorFactor", 1.0, "specularColorTexture");
+        }
+        if let Some(e) = Fields::of(raw, "KHR_materials_transmission", at) {
+            surface.transmission = self.scalar(&e, "transmissionFactor", 0.0, "transmissionTexture", Channel::R);
+        }
+        if let Some(e) = Fields::of(raw, "KHR_materials_clearcoat", at) {
+            surface.clearcoat = self.scalar(&e, "clearcoatFactor", 0.0, "clearcoatTexture", Channel::R);
+            let (factor, texture) = ("clearcoatRoughnessFactor", "clearcoatRoughnessTexture");
+            surface.clearcoat_roughness = self.scalar(&e, factor, 0.0, texture, Channel::G);
+            let info = e
+                .member("clearcoatNormalTexture")
+                .filter(|_| surface.clearcoat.factor != 0.0);
+            surface.clearcoat_normal = self.normal_map(info, &e.place("clearcoatNormalTexture"));
+        }
+        if let Some(e) = Fields::of(raw, "KHR_materials_sheen", at) {
+            surface.sheen_color = self.color(&e, "sheenColorFactor", 0.0, "sheenColorTexture");
+            let (factor, texture) = ("sheenRoughnessFactor", "sheenRoughnessTexture");
+            surface.sheen_roughness = self.scalar(&e, factor, 0.0, texture, Channel::A);
+        }
+        if let Some(e) = Fields::of(raw, "KHR_materials_anisotropy", at) {
+            // Red and green of the texture turn the direction too; only its strength (blue) is read.
+            surface.anisotropy = self.scalar(&e, "anisotropyStrength", 0.0, "anisotropyTexture", Channel::B);
+            surface.anisotropy_rotation = e.number("anisotropyRotation", 0.0, FINITE, &mut self.report);
+        }
+        if let Some(e) = Fields::of(raw, "KHR_materials_diffuse_transmission", at) {
+            let (factor, texture) = ("diffuseTransmissionFactor", "diffuseTransmissionTexture");
+            surface.diffuse_transmission = self.scalar(&e, factor, 0.0, texture, Channel::A);
+            let (factor, texture) = ("diffuseTransmissionColorFactor", "diffuseTransmissionColorTexture");
+            surface.diffuse_transmission_color = self.color(&e, factor, 1.0, texture);
+        }
+        if let Some(e) = Fields::of(raw, "KHR_materials_dispersion", at) {
+            surface.dispersion = e.number("dispersion", 0.0, NOT_NEGATIVE, &mut self.report);
+        }
+        if let Some(e) = Fields::of(raw, "KHR_materials_iridescence", at)
+            && e.number("iridescenceFactor", 0.0, UNIT, &mut self.report) > 0.0
+        {
+            self.report.warning(
+                "G0706",
+                at,
+                "KHR_materials_iridescence is not supported; the film is left out",
+            );
+        }
+        self.volume(raw, surface, at)
+    }
+
+    /// `KHR_materials_volume`: σ = −ln(colour)/distance, distances being in the world.
+    fn volume(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> DVec3 {
+        let Some(volume) = Fields::of(raw, "KHR_materials_volume", at) else {
+            if surface.transmission.factor > 0.0 && self.is_from_blender() {
+                let d = Diagnostic::note(
+                    "G0707",
+                    "glass without KHR_materials_volume is drawn as a thin sheet, without refraction",
+                );
+                self.report
+                    .push(at, d.hint("for solid glass give the exporter a thickness above 0"));
+            }
+            return DVec3::ZERO;
+        };
+        let report = &mut self.report;
+        surface.thick = volume.number("thicknessFactor", 0.0, NOT_NEGATIVE, report) > 0.0;
+        let distance = volume.number("attenuationDistance", f64::INFINITY, 0.0..=f64::INFINITY, report);
+        let color = volume.color("attenuationColor", 1.0, UNIT, report);
+        if !surface.thick || distance.is_infinite() {
+            return DVec3::ZERO;
+        }
+        if distance <= 0.0 {
+            let place = volume.place("attenuationDistance");
+            report.warning("G0207", &place, "is 0, expected more; nothing is absorbed");
+            return DVec3::ZERO;
+        }
+        // Black would absorb without end; the least positive number is as black, and finite.
+        color.map(|c| -c.max(f64::MIN_POSITIVE).ln() / distance)
+    }
+
+    /// Whether Blender's exporter wrote the file, whose glass rarely has a volume.
+    fn is_from_blender(&self) -> bool {
+        let generator = self.doc.top("asset").and_then(|a| a.get("generator"));
+        generator.and_then(Value::as_str).is_some_and(|g| g.contains("Blender"))
+    }
+
+    /// `KHR_materials_pbrSpecularGlossiness`: a dielectric whose F0 is the specular colour (ior 0 means F0 = 1 before
+    /// the tint). Returns the map of glossiness, if it has one.
+    fn apply_specular_glossiness(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> Option<TextureId> {
+        let old = Fields::of(raw, SPECULAR_GLOSSINESS, at)?;
+        surface.metallic = 0.0.into();
+        surface.ior = 0.0;
+        surface.specular_color = self.color(&old, "specularFactor", 1.0, "specularGlossinessTexture");
+        let gloss = old.number("glossinessFactor", 1.0, UNIT, &mut self.report);
+        surface.roughness = (1.0 - gloss).into();
+        let (info, place) = (
+            old.member("specularGlossinessTexture"),
+            old.place("specularGlossinessTexture"),
+        );
+        self.texture(info.filter(|_| gloss > 0.0), Encoding::Srgb, &place)
+    }
+
+    /// 1 − gloss·texture is no product, so the map blends between the rough and the smooth surface instead.
+    fn surface_with_gloss_map(&mut self, smooth: Principled, gloss: TextureId) -> SurfaceModel {
+        let mut rough = smooth.clone();
+        rough.roughness = 1.0.into();
+        let mut add = |surface| {
+            self.scene
+                .add_material(Material::new(SurfaceModel::Principled(Box::new(surface))))
+        };
+        SurfaceModel::Mix {
+            a: add(rough),
+            b: add(smooth),
+            weight: scalar_input(1.0, Some(gloss), Channel::A),
+        }
+    }
+
+    /// A share with its texture; the texture of a share of 0 is not read.
+    fn scalar(&mut self, e: &Fields, factor: &str, default: f64, texture: &str, channel: Channel) -> ScalarInput {
+        let factor = e.number(factor, default, UNIT, &mut self.report);
+        let info = e.member(texture).filter(|_| factor != 0.0);
+        scalar_input(factor, self.texture(info, Encoding::Linear, &e.place(texture)), channel)
+    }
+
+    /// A colour with its sRGB texture; the texture of black is not read.
+    fn color(&mut self, e: &Fields, factor: &str, default: f64, texture: &str) -> ColorInput {
+        let factor = e.color(factor, default, NOT_NEGATIVE, &mut self.report);
+        let info = e.member(texture).filter(|_| factor != DVec3::ZERO);
+        color_input(factor, self.texture(info, Encoding::Srgb, &e.place(texture)))
+    }
+
+    fn normal_map(&mut self, info: Option<&Value>, at: &str) -> Option<NormalMap> {
+        let scale = Fields::new(info?, at).number("scale", 1.0, FINITE, &mut self.report);
+        let texture = self.texture(info, Encoding::Linear, at)?;
+        Some(NormalMap { texture, scale })
+    }
+
+    fn vertex_color(&mut self) -> TextureId {
+        let known = self.scene.textures.iter().position(|t| *t == Texture::VertexColor);
+        known.map_or_else(|| self.scene.add_texture(Texture::VertexColor), |i| TextureId(i as u32))
+    }
+}
+
+const TABLE: &str = "materials";
+const PBR: &str = "pbrMetallicRoughness";
+const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
+fn color_input(factor: DVec3, texture: Option<TextureId>) -> ColorInput {
+    ColorInput { factor, texture }
+}
+
+fn scalar_input(factor: f64, texture: Option<TextureId>, channel: Channel) -> ScalarInput {
+    ScalarInput {
+        factor,
+        texture: texture.map(|t| (t, channel)),
+    }
+}

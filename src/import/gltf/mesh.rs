@@ -1,0 +1,398 @@
+//! Meshes: primitives are read one by one and those of like attributes become one mesh of the scene, a slot per material.
+
+use super::Loader;
+use super::accessor::Wanted;
+use super::deform::{Pose, unit_tangents};
+use super::document::extension;
+use super::{tangent, triangles};
+use crate::diag::Diagnostic;
+use crate::scene::{MaterialId, Mesh, MeshId, SurfaceModel, Texture, TextureId};
+use glam::{DAffine2, DVec3, Vec2, Vec3, Vec4};
+use gltf::json;
+use json::mesh::{Mode, Primitive, Semantic};
+use json::validation::Checked;
+use serde_json::Value;
+use std::rc::Rc;
+
+/// One primitive with everything applied; optional attributes are empty or have one value per vertex.
+#[derive(Default)]
+pub(super) struct Part {
+    pub positions: Vec<DVec3>,
+    pub normals: Vec<Vec3>,
+    pub tangents: Vec<Vec4>,
+    pub uvs: Vec<Vec<Vec2>>,
+    pub colors: Vec<Vec4>,
+    pub triangles: Vec<[u32; 3]>,
+    pub material: Option<MaterialId>,
+    pub flip_winding: bool,
+    pub dropped: u64,
+}
+
+pub(super) const VEC3: Wanted = Wanted {
+    components: &[3],
+    normalize: false,
+};
+const VEC4: Wanted = Wanted {
+    components: &[4],
+    normalize: false,
+};
+const UV: Wanted = Wanted {
+    components: &[2],
+    normalize: false,
+};
+const COLOR: Wanted = Wanted {
+    components: &[3, 4],
+    normalize: true,
+};
+/// Most triangles of a file: primitives that share one accessor could ask for any number.
+const MAX_TRIANGLES: u64 = 300_000_000;
+
+impl Loader<'_> {
+    /// The meshes of the scene for mesh `index`, referred to at `at`, bent by `pose`. Unbent meshes are shared by all nodes.
+    pub(super) fn meshes_of(&mut self, index: usize, pose: &Pose, at: &str) -> Rc<[MeshId]> {
+        let is_plain = pose.weights.is_none() && pose.joints.is_none();
+        if let Some(known) = self.meshes.get(&index).filter(|_| is_plain) {
+            return known.clone();
+        }
+        let parts = self.read_parts(index, pose, at).unwrap_or_default();
+        let name = self.doc.name("meshes", index);
+        let made: Rc<[MeshId]> = join(parts, &name).into_iter().map(|m| self.scene.add_mesh(m)).collect();
+        if is_plain {
+            self.meshes.insert(index, made.clone());
+        }
+        made
+    }
+
+    fn read_parts(&mut self, index: usize, pose: &Pose, at: &str) -> Option<Vec<Part>> {
+        let raw = self.doc.raw("meshes", index, at, &mut self.report)?;
+        let mesh: json::Mesh = self.doc.get(index, at, &mut self.report)?;
+        let weights = pose.weights.as_deref().or(mesh.weights.as_deref()).unwrap_or(&[]);
+        if mesh.primitives.is_empty() {
+            self.report
+                .warning("G0601", &format!("meshes[{index}]"), "has no primitives");
+        }
+        let mut parts = Vec::new();
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let raw = raw.get("primitives").and_then(|ps| ps.get(p))?;
+            let at = format!("meshes[{index}].primitives[{p}]");
+            parts.extend(self.read_part(raw, primitive, weights, pose, &at));
+        }
+        Some(parts)
+    }
+
+    /// One primitive; `None` if it is broken (reported) or draws no triangles.
+    fn read_part(
+        &mut self,
+        raw: &Value,
+        primitive: &Primitive,
+        weights: &[f32],
+        pose: &Pose,
+        at: &str,
+    ) -> Option<Part> {
+        let mode = self.triangle_mode(primitive, at)?;
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|a| a.value());
+        let place = |name: &str| format!("{at}.attributes.{name}");
+        let Some(accessor) = attribute(Semantic::Positions) else {
+            let message = if extension(raw, "KHR_draco_mesh_compression").is_some() {
+                "has no POSITION outside its Draco data, which is not supported"
+            } else {
+                "has no POSITION; the primitive is left out"
+            };
+            self.report.warning("G0602", &place("POSITION"), message);
+            return None;
+        };
+        let positions = self.floats(accessor, VEC3, &place("POSITION"))?;
+        let vertices = positions.count();
+        let mut faces = self.faces(primitive, mode, vertices, at)?;
+        let order = triangles::compact(&mut faces, vertices);
+        let position = |v: &u32| Vec3::from(positions.get(*v as usize, 0.0)).as_dvec3();
+        let mut part = Part {
+            positions: order.iter().map(position).collect(),
+            triangles: faces,
+            ..Part::default()
+        };
+        drop(positions);
+
+        if let Some(accessor) = attribute(Semantic::Normals) {
+            let normals = self.attribute::<3>(accessor, VEC3, &order, vertices, &place("NORMAL"))?;
+            part.normals = normals.into_iter().map(Vec3::from).collect();
+        }
+        for set in 0..super::texture::MAX_UV_SETS {
+            let Some(accessor) = attribute(Semantic::TexCoords(set)) else {
+                continue;
+            };
+            let at = place(&format!("TEXCOORD_{set}"));
+            let uvs = self.attribute::<2>(accessor, UV, &order, vertices, &at)?;
+            part.uvs.resize(set as usize, Vec::new());
+            part.uvs.push(self.finite_uvs(uvs, &at));
+        }
+        if let Some(accessor) = attribute(Semantic::Colors(0)) {
+            let colors = self.attribute::<4>(accessor, COLOR, &order, vertices, &place("COLOR_0"))?;
+            part.colors = colors.into_iter().map(Vec4::from).collect();
+            part.colors
+                .iter_mut()
+                .filter(|c| !c.is_finite())
+                .for_each(|c| *c = Vec4::ONE);
+        }
+        part.material = self.material_of(raw, !part.colors.is_empty(), at)?;
+        let needed = self.needed_tangents(part.material);
+        // Tangents without normals must be ignored, and without a normal map nobody looks at them.
+        if let (Some(accessor), Some(_), false) = (attribute(Semantic::Tangents), needed, part.normals.is_empty()) {
+            let tangents = self.attribute::<4>(accessor, VEC4, &order, vertices, &place("TANGENT"))?;
+            part.tangents = tangents.into_iter().map(Vec4::from).collect();
+        }
+
+        self.morph(&mut part, primitive, weights, &order, vertices, at)?;
+        if let Some(joints) = &pose.joints {
+            self.skin(&mut part, primitive, joints, &order, vertices, at)?;
+        }
+        self.drop_infinite(&mut part, at);
+        self.mend_normals(&mut part, &place("NORMAL"));
+        part.tangents = unit_tangents(&part.tangents).unwrap_or_default();
+        if let (Some((set, transform)), true) = (needed, part.tangents.is_empty()) {
+            tangent::generate(&mut part, set as usize, transform);
+        }
+        Some(part)
+    }
+
+    /// The mode, if it makes triangles. Points and lines have no surface: one note for all of them.
+    fn triangle_mode(&mut self, primitive: &Primitive, at: &str) -> Option<Mode> {
+        match primitive.mode {
+            Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => Some(mode),
+            Checked::Valid(_) => {
+                let d = Diagnostic::note("G0603", "points and lines have no surface and are not drawn");
+                self.report.push("", d);
+                None
+            }
+            Checked::Invalid => {
+                self.report
+                    .error("G0604", &format!("{at}.mode"), "is no primitive mode, expected 0 to 6");
+                None
+            }
+        }
+    }
+
+    /// The triangles of a primitive, every corner below `vertices`.
+    fn faces(&mut self, primitive: &Primitive, mode: Mode, vertices: usize, at: &str) -> Option<Vec<[u32; 3]>> {
+        let place = format!("{at}.indices");
+        let corners: Vec<u32> = match primitive.indices {
+            Some(accessor) => self.integers(accessor.value(), &[1], &place)?,
+            None => (0..u32::try_from(vertices).ok()?).collect(),
+        };
+        if let Some((i, bad)) = corners.iter().enumerate().find(|(_, c)| **c as usize >= vertices) {
+            let message = format!("index {i} is {bad}, but POSITION has {vertices} elements");
+            let d = Diagnostic::error("G0605", message);
+            self.report
+                .push(&place, d.hint("the file is damaged: copy or export it again"));
+            return None;
+        }
+        let (faces, rest) = triangles::assemble(mode, &corners);
+        if rest > 0 || faces.is_empty() {
+            let message = format!(
+                "{} corners make {} triangles; {rest} are left over",
+                corners.len(),
+                faces.len()
+            );
+            self.report.warning("G0606", at, message);
+        }
+        self.triangles += faces.len() as u64;
+        if self.triangles > MAX_TRIANGLES {
+            self.report.error(
+                "G0610",
+                at,
+                format!("the model has more than {MAX_TRIANGLES} triangles"),
+            );
+            return None;
+        }
+        (!faces.is_empty()).then_some(faces)
+    }
+
+    /// An attribute of the used vertices, missing components being 1.
+    fn attribute<const N: usize>(
+        &mut self,
+        accessor: usize,
+        wanted: Wanted,
+        order: &[u32],
+        vertices: usize,
+        at: &str,
+    ) -> Option<Vec<[f32; N]>> {
+        let numbers = self.floats(accessor, wanted, at)?;
+        self.same_count(numbers.count(), vertices, at)?;
+        Some(order.iter().map(|&v| numbers.get(v as usize, 1.0)).collect())
+    }
+
+    /// Attributes of one primitive must have as many elements as its POSITION.
+    pub(super) fn same_count(&mut self, found: usize, vertices: usize, at: &str) -> Option<()> {
+        if found != vertices {
+            let message = format!("has {found} elements, but POSITION has {vertices}");
+            self.report.error("G0611", at, message);
+            return None;
+        }
+        Some(())
+    }
+
+    /// The material of a primitive in the chosen variant. Inner `None` is the default of whoever places the mesh.
+    fn material_of(&mut self, raw: &Value, colors: bool, at: &str) -> Option<Option<MaterialId>> {
+        let (from, at) = match self.variant_mapping(raw) {
+            Some(mapping) => (mapping, format!("{at}.extensions.KHR_materials_variants")),
+            None => (raw, at.to_owned()),
+        };
+        match super::document::index_of(from, "material", &at, &mut self.report) {
+            Some(index) => Some(Some(self.material(index, colors, &format!("{at}.material"))?)),
+            None => {
+                let id = self.default_material(colors);
+                if !colors {
+                    self.scene.default_material = Some(id);
+                }
+                Some(colors.then_some(id))
+            }
+        }
+    }
+
+    /// The coordinate set and transform along which a material needs tangents, if it does.
+    fn needed_tangents(&self, material: Option<MaterialId>) -> Option<(u32, DAffine2)> {
+        let material = self.scene.materials.get(material?.index())?;
+        let image = |texture: TextureId| match self.scene.textures.get(texture.index()) {
+            Some(Texture::Image(t)) => Some((t.uv_set, t.uv_transform)),
+            _ => None,
+        };
+        let own = material.normal_map.and_then(|n| image(n.texture));
+        let SurfaceModel::Principled(p) = &material.surface else {
+            return own;
+        };
+        let coat = p.clearcoat_normal.and_then(|n| image(n.texture));
+        let turned = (p.anisotropy.factor != 0.0).then_some((0, DAffine2::IDENTITY));
+        own.or(coat).or(turned)
+    }
+
+    /// Texture coordinates that are not finite become (0, 0).
+    fn finite_uvs(&mut self, uvs: Vec<[f32; 2]>, at: &str) -> Vec<Vec2> {
+        let mut uvs: Vec<Vec2> = uvs.into_iter().map(Vec2::from).collect();
+        let bad = uvs.iter().filter(|uv| !uv.is_finite()).count();
+        if bad > 0 {
+            uvs.iter_mut()
+                .filter(|uv| !uv.is_finite())
+                .for_each(|uv| *uv = Vec2::ZERO);
+            self.report.warning(
+                "G0612",
+                at,
+                format!("{bad} of {} are not finite; (0, 0) is used", uvs.len()),
+            );
+        }
+        uvs
+    }
+
+    /// Leaves out faces with a corner that is not finite.
+    fn drop_infinite(&mut self, part: &mut Part, at: &str) {
+        let before = part.triangles.len();
+        let positions = &part.positions;
+        let is_finite = |v: u32| positions[v as usize].is_finite();
+        part.triangles.retain(|face| face.iter().all(|&v| is_finite(v)));
+        part.dropped = (before - part.triangles.len()) as u64;
+        if part.dropped > 0 {
+            let message = format!(
+                "{} of {before} faces have a corner that is not finite; they are left out",
+                part.dropped
+            );
+            self.report
+                .warning("G0613", &format!("{at}.attributes.POSITION"), message);
+        }
+    }
+
+    /// Normalises normals; one that cannot be is replaced by the mean of its faces'.
+    fn mend_normals(&mut self, part: &mut Part, at: &str) {
+        let mut bad = 0;
+        for n in &mut part.normals {
+            *n = n.try_normalize().unwrap_or_else(|| {
+                bad += 1;
+                Vec3::ZERO
+            });
+        }
+        if bad == 0 {
+            return;
+        }
+        let message = format!(
+            "{bad} of {} have no direction; their faces' are used",
+            part.normals.len()
+        );
+        self.report.warning("G0614", at, message);
+        let mut sums = vec![DVec3::ZERO; part.normals.len()];
+        for face in &part.triangles {
+            let [a, b, c] = face.map(|v| part.positions[v as usize]);
+            let area = (b - a).cross(c - a) * if part.flip_winding { -1.0 } else { 1.0 };
+            face.iter().for_each(|&v| sums[v as usize] += area);
+        }
+        for (n, sum) in part.normals.iter_mut().zip(sums) {
+            if *n == Vec3::ZERO {
+                *n = sum.normalize_or(DVec3::Z).as_vec3();
+            }
+        }
+    }
+}
+
+impl Part {
+    /// Reorders all vertex data: the new vertex i is the old vertex `order[i]`. Triangles are the caller's to renumber.
+    pub(super) fn gather(&mut self, order: &[u32]) {
+        fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
+            if !values.is_empty() {
+                *values = order.iter().map(|&v| values[v as usize]).collect();
+            }
+        }
+        pick(&mut self.positions, order);
+        pick(&mut self.normals, order);
+        pick(&mut self.tangents, order);
+        pick(&mut self.colors, order);
+        self.uvs.iter_mut().for_each(|set| pick(set, order));
+    }
+
+    /// Parts with the same layout can share a mesh.
+    fn layout(&self) -> (bool, bool, bool, bool, Vec<bool>) {
+        let uvs = self.uvs.iter().map(Vec::is_empty).collect();
+        let (normals, tangents) = (self.normals.is_empty(), self.tangents.is_empty());
+        (self.flip_winding, normals, tangents, self.colors.is_empty(), uvs)
+    }
+}
+
+/// Joins parts of the same layout into meshes, in the order of their first parts.
+fn join(parts: Vec<Part>, name: &str) -> Vec<Mesh> {
+    let mut groups: Vec<Vec<Part>> = Vec::new();
+    for part in parts {
+        match groups.iter_mut().find(|g| g[0].layout() == part.layout()) {
+            Some(group) => group.push(part),
+            None => groups.push(vec![part]),
+        }
+    }
+    groups.into_iter().filter_map(|group| join_like(group, name)).collect()
+}
+
+fn join_like(parts: Vec<Part>, name: &str) -> Option<Mesh> {
+    let positions: Vec<DVec3> = parts.iter().flat_map(|p| &p.positions).copied().collect();
+    u32::try_from(positions.len()).ok()?;
+    let mut mesh = Mesh::from_f64(name, &positions, &[])?;
+    drop(positions);
+    let mut first = 0;
+    for part in parts {
+        let slot = mesh
+            .materials
+            .iter()
+            .position(|m| *m == part.material)
+            .unwrap_or_else(|| {
+                mesh.materials.push(part.material);
+                mesh.materials.len() - 1
+            });
+        mesh.flip_winding = part.flip_winding;
+        mesh.dropped_faces += part.dropped;
+        for face in &part.triangles {
+            mesh.push_face(face.map(|v| v + first), (slot > 0).then_some(slot as u32));
+        }
+        first += part.positions.len() as u32;
+        mesh.normals.extend(part.normals);
+        mesh.tangents.extend(part.tangents);
+        mesh.colors.extend(part.colors);
+        mesh.uvs.resize(part.uvs.len(), Vec::new());
+        for (to, from) in mesh.uvs.iter_mut().zip(part.uvs) {
+            to.extend(from);
+        }
+    }
+    Some(mesh)
+}

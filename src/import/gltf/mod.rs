@@ -1,0 +1,145 @@
+//! glTF 2.0 (`.gltf`, `.glb`) → [`Scene`].
+//!
+//! The `gltf` crate gives the schema: each element of the file is read as one of its typed JSON structures when it is
+//! first used. Everything around it is our own, since input may be cut, cyclic or absurd: the container and its JSON
+//! ([`container`]), the lookup of elements ([`document`]), files ([`uri`]), buffers ([`buffer`]), accessors
+//! ([`accessor`]), the node tree ([`node`]), primitives ([`mesh`], [`triangles`], [`deform`], [`tangent`]), materials
+//! ([`material`], [`extension`], [`texture`]), lamps and cameras ([`light`], [`camera`]).
+//!
+//! What is not reached from the chosen scene is not read, so it cannot fail either. Errors are collected: a broken mesh does not
+//! hide a broken material.
+
+mod accessor;
+mod buffer;
+mod camera;
+mod container;
+mod deform;
+mod document;
+mod extension;
+mod light;
+mod material;
+mod mesh;
+mod node;
+mod required;
+mod tangent;
+mod texture;
+mod triangles;
+mod uri;
+mod variant;
+
+use crate::diag::{Diagnostic, Diagnostics, Severity};
+use crate::files::Files;
+use crate::scene::{Handedness, MaterialId, MeshId, Place, Scene, TextureId};
+use document::Document;
+use std::collections::HashMap;
+use std::path::Path;
+use std::rc::Rc;
+
+/// What the caller may choose about a glTF file.
+#[derive(Clone, Debug, Default)]
+pub struct GltfOptions {
+    /// Name (or number) of the scene to draw; `None` is the file's own choice, else its first.
+    pub scene: Option<String>,
+    /// Name of the material variant (`KHR_materials_variants`); `None` is the materials as written.
+    pub variant: Option<String>,
+    /// Whether buffers and images outside the model's folder may be read.
+    pub allow_outside: bool,
+}
+
+/// Reads a glTF or GLB file into a scene of its own: right-handed, metres as units, lamps and cameras in world space.
+/// The first camera is active. `None` if and only if an error was reported. Without camera, lamp and emission
+/// `is_bare_model` is set, and [`super::framing::frame`] adds what is missing.
+pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut Diagnostics) -> Option<Scene> {
+    let mut report = Report {
+        file: path.display().to_string(),
+        diags,
+        failed: false,
+    };
+    let container = container::read(path, files, &mut report)?;
+    let document = Document::new(container.json, &mut report);
+    required::check(&document, &mut report);
+    if report.failed {
+        return None;
+    }
+    let mut loader = Loader {
+        doc: &document,
+        report,
+        files,
+        folder: path.parent().unwrap_or(Path::new("")),
+        options,
+        binary_chunk: container.binary,
+        scene: Scene {
+            handedness: Handedness::Right,
+            ..Scene::default()
+        },
+        buffers: HashMap::new(),
+        accessors: accessor::Cache::default(),
+        textures: HashMap::new(),
+        images: HashMap::new(),
+        materials: HashMap::new(),
+        meshes: HashMap::new(),
+        variant: None,
+        triangles: 0,
+    };
+    loader.variant = loader.choose_variant();
+    loader.load_scene();
+    let Loader { mut scene, report, .. } = loader;
+    scene.active_camera = (!scene.cameras.is_empty()).then_some(0);
+    scene.is_bare_model = scene.cameras.is_empty() && scene.lights.is_empty() && !super::framing::emits(&scene);
+    (!report.failed).then_some(scene)
+}
+
+/// The state of one load. Its steps are the `impl` blocks of the modules.
+struct Loader<'a> {
+    doc: &'a Document,
+    report: Report<'a>,
+    files: &'a dyn Files,
+    folder: &'a Path,
+    options: &'a GltfOptions,
+    binary_chunk: Option<buffer::Blob>,
+    scene: Scene,
+    buffers: HashMap<usize, Option<buffer::Blob>>,
+    accessors: accessor::Cache,
+    textures: HashMap<texture::Key, Option<TextureId>>,
+    images: HashMap<usize, Option<crate::scene::ImageId>>,
+    materials: HashMap<(usize, bool), Option<MaterialId>>,
+    meshes: HashMap<usize, Rc<[MeshId]>>,
+    variant: Option<usize>,
+    triangles: u64,
+}
+
+/// Collects diagnostics about one file.
+struct Report<'a> {
+    file: String,
+    diags: &'a mut Diagnostics,
+    failed: bool,
+}
+
+impl Report<'_> {
+    /// The file and a path inside it, as messages show it.
+    fn place(&self, at: &str) -> String {
+        match at {
+            "" => self.file.clone(),
+            at => format!("{}: {at}", self.file),
+        }
+    }
+
+    /// The same for the scene's own records.
+    fn origin(&self, at: &str) -> Place {
+        Place::Model(self.place(at))
+    }
+
+    /// Adds a diagnostic at a path inside the file (`""` is the file itself).
+    fn push(&mut self, at: &str, diagnostic: Diagnostic) {
+        self.failed |= diagnostic.severity == Severity::Error;
+        self.diags.push(diagnostic.in_place(self.place(at)));
+    }
+
+    fn error(&mut self, code: &'static str, at: &str, message: impl Into<String>) {
+        self.push(at, Diagnostic::error(code, message));
+    }
+
+    fn warning(&mut self, code: &'static str, at: &str, message: impl Into<String>) {
+        self.push(at, Diagnostic::warning(code, message));
+    }
+}

@@ -1,0 +1,330 @@
+//! The chosen scene's node tree: transforms, meshes with their instances, lamps and cameras.
+
+use super::Loader;
+use super::accessor::Wanted;
+use super::deform::{Pose, affine_from_columns};
+use super::document::{extension, index_of};
+use super::mesh::VEC3;
+use super::variant::known;
+use crate::diag::Diagnostic;
+use crate::scene::{Object, Shape};
+use glam::{DAffine3, DQuat, DVec3};
+use gltf::json;
+use serde_json::Value;
+
+/// A node of the scene with its place in the world.
+struct Placed {
+    index: usize,
+    node: json::Node,
+    world: DAffine3,
+    visible: bool,
+}
+
+/// Most instances of one node: an accessor of zeros could ask for any number.
+const MAX_INSTANCES: usize = 5_000_000;
+
+impl Loader<'_> {
+    /// Reads everything that the chosen scene reaches.
+    pub(super) fn load_scene(&mut self) {
+        let Some(roots) = self.scene_roots() else {
+            return;
+        };
+        let placed = self.place_nodes(roots);
+        let mut world = vec![None; self.doc.len("nodes")];
+        for p in &placed {
+            world[p.index] = Some(p.world);
+        }
+        for p in placed.iter().filter(|p| p.visible) {
+            self.load_node(p, &world);
+        }
+        if self.scene.objects.is_empty() && !self.report.failed {
+            self.report.warning("G0501", "", "the scene has nothing to draw");
+        }
+    }
+
+    /// The root nodes of the scene asked for, each with the place that names it: by the caller's choice, the file's own, or its first;
+    /// without any scene all nodes that have no parent.
+    fn scene_roots(&mut self) -> Option<Vec<(usize, String)>> {
+        let index = match (&self.options.scene, self.doc.top("scene")) {
+            (Some(wanted), _) => self.scene_named(wanted)?,
+            (None, Some(_)) => {
+                let root = Value::Object(
+                    self.doc
+                        .top("scene")
+                        .map(|s| ("scene".to_owned(), s.clone()))
+                        .into_iter()
+                        .collect(),
+                );
+                index_of(&root, "scene", "", &mut self.report)?
+            }
+            (None, None) if self.doc.len("scenes") == 0 => return Some(self.parentless()),
+            (None, None) => 0,
+        };
+        let scene = self.doc.raw("scenes", index, "scene", &mut self.report)?;
+        let at = format!("scenes[{index}].nodes");
+        match scene.get("nodes") {
+            None => Some(Vec::new()),
+            Some(list) => Some(self.node_list(list, &at)),
+        }
+    }
+
+    fn scene_named(&mut self, wanted: &str) -> Option<usize> {
+        let count = self.doc.len("scenes");
+        let names: Vec<String> = (0..count).map(|i| self.doc.name("scenes", i)).collect();
+        let by_number = || wanted.parse().ok().filter(|i| *i < count);
+        let found = names.iter().position(|n| n == wanted).or_else(by_number);
+        if found.is_none() {
+            let d = Diagnostic::error("G0502", format!("there is no scene \"{wanted}\""));
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            self.report.push("", d.hint(known("scenes", &names)));
+        }
+        found
+    }
+
+    /// All nodes that are nobody's child.
+    fn parentless(&mut self) -> Vec<(usize, String)> {
+        let nodes = self
+            .doc
+            .top("nodes")
+            .and_then(Value::as_array)
+            .map_or(&[][..], Vec::as_slice);
+        let mut is_child = vec![false; nodes.len()];
+        let children = nodes.iter().filter_map(|n| n.get("children")?.as_array());
+        for child in children.flatten().filter_map(Value::as_u64) {
+            if let Some(flag) = is_child.get_mut(child as usize) {
+                *flag = true;
+            }
+        }
+        let roots = (0..nodes.len()).filter(|i| !is_child[*i]);
+        roots.map(|i| (i, format!("nodes[{i}]"))).collect()
+    }
+
+    /// An array of node indices with the place of each.
+    fn node_list(&mut self, list: &Value, at: &str) -> Vec<(usize, String)> {
+        let Some(items) = list.as_array() else {
+            self.report.error("G0203", at, "is not an array of indices");
+            return Vec::new();
+        };
+        let mut out = Vec::with_capacity(items.len());
+        for (i, item) in items.iter().enumerate() {
+            let at = format!("{at}[{i}]");
+            match item.as_u64() {
+                Some(index) => out.push((index as usize, at)),
+                None => self.report.error("G0203", &at, format!("is {item}, expected an index")),
+            }
+        }
+        out
+    }
+
+    /// Walks the tree. A node met a second time is an error, so the walk ends whatever the file says.
+    fn place_nodes(&mut self, roots: Vec<(usize, String)>) -> Vec<Placed> {
+        struct Visit {
+            index: usize,
+            at: String,
+            parent: Option<usize>,
+            world: DAffine3,
+            visible: bool,
+        }
+        let root = |(index, at)| Visit {
+            index,
+            at,
+            parent: None,
+            world: DAffine3::IDENTITY,
+            visible: true,
+        };
+        let mut stack: Vec<Visit> = roots.into_iter().rev().map(root).collect();
+        let mut parents: Vec<Option<Option<usize>>> = vec![None; self.doc.len("nodes")];
+        let mut placed = Vec::new();
+        while let Some(visit) = stack.pop() {
+            let index = visit.index;
+            let Some(raw) = self.doc.raw("nodes", index, &visit.at, &mut self.report) else {
+                continue;
+            };
+            if parents[index].is_some() {
+                self.second_visit(index, visit.parent, &parents, &visit.at);
+                continue;
+            }
+            parents[index] = Some(visit.parent);
+            let here = format!("nodes[{index}]");
+            let Some(node) = self.doc.get::<json::Node>(index, &visit.at, &mut self.report) else {
+                continue;
+            };
+            let Some(local) = self.local_transform(&node, &here) else {
+                continue;
+            };
+            let hidden =
+                extension(raw, "KHR_node_visibility").and_then(|e| e.get("visible")) == Some(&Value::Bool(false));
+            let (world, visible) = (visit.world * local, visit.visible && !hidden);
+            if let Some(children) = raw.get("children") {
+                let children = self.node_list(children, &format!("{here}.children"));
+                stack.extend(children.into_iter().rev().map(|(child, at)| Visit {
+                    index: child,
+                    at,
+                    parent: Some(index),
+                    world,
+                    visible,
+                }));
+            }
+            placed.push(Placed {
+                index,
+                node,
+                world,
+                visible,
+            });
+        }
+        placed
+    }
+
+    /// Reports why a node is met twice: it is its own ancestor, or it has two parents.
+    fn second_visit(&mut self, index: usize, parent: Option<usize>, parents: &[Option<Option<usize>>], at: &str) {
+        let mut ancestor = parent;
+        while let Some(a) = ancestor.filter(|a| *a != index) {
+            ancestor = parents.get(a).copied().flatten().flatten();
+        }
+        let d = match ancestor {
+            Some(_) => Diagnostic::error("G0503", format!("node {index} is its own ancestor")),
+            None => Diagnostic::error("G0504", format!("node {index} has two parents (or is a root as well)")),
+        };
+        self.report
+            .push(at, d.hint("nodes must form trees: export the model again"));
+    }
+
+    /// A node's own transform: its matrix, or translation · rotation · scale.
+    fn local_transform(&mut self, node: &json::Node, at: &str) -> Option<DAffine3> {
+        let local = match node.matrix {
+            Some(m) => {
+                if m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0 {
+                    let message = "the last row is not 0 0 0 1; it is ignored";
+                    self.report.warning("G0505", &format!("{at}.matrix"), message);
+                }
+                affine_from_columns(m.map(f64::from))
+            }
+            None => {
+                let vector = |v: Option<[f32; 3]>, default| v.map_or(default, |v| DVec3::from_array(v.map(f64::from)));
+                let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
+                let rotation = DQuat::from_xyzw(x, y, z, w);
+                let unit = rotation.length_recip().is_finite().then(|| rotation.normalize());
+                if unit.is_none() {
+                    let message = "is no rotation (its length is 0 or not finite); none is applied";
+                    self.report.warning("G0505", &format!("{at}.rotation"), message);
+                }
+                let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
+                DAffine3::from_scale_rotation_translation(scale, unit.unwrap_or(DQuat::IDENTITY), translation)
+            }
+        };
+        if !local.is_finite() {
+            self.report.error("G0506", at, "the transform is not finite");
+            return None;
+        }
+        Some(local)
+    }
+
+    fn load_node(&mut self, placed: &Placed, world: &[Option<DAffine3>]) {
+        let at = format!("nodes[{}]", placed.index);
+        let Some(raw) = self.doc.raw("nodes", placed.index, &at, &mut self.report) else {
+            return;
+        };
+        let name = self.doc.name("nodes", placed.index);
+        if let Some(camera) = placed.node.camera {
+            self.load_camera(camera.value(), placed.world, name.clone(), &format!("{at}.camera"));
+        }
+        if let Some(light) = extension(raw, "KHR_lights_punctual") {
+            let at = format!("{at}.extensions.KHR_lights_punctual");
+            if let Some(index) = index_of(light, "light", &at, &mut self.report) {
+                self.load_light(index, placed.world, name.clone(), &format!("{at}.light"));
+            }
+        }
+        if let Some(mesh) = placed.node.mesh {
+            let mut pose = Pose {
+                weights: placed.node.weights.clone(),
+                joints: None,
+            };
+            if let Some(skin) = placed.node.skin {
+                pose.joints = self.joints(skin.value(), world, &format!("{at}.skin"));
+            }
+            // A skin places its mesh by its joints alone; the node's own transform is ignored.
+            let place = if pose.joints.is_some() {
+                DAffine3::IDENTITY
+            } else {
+                placed.world
+            };
+            let instances = self.instances(raw, &at).unwrap_or_default();
+            let meshes = self.meshes_of(mesh.value(), &pose, &format!("{at}.mesh"));
+            for &id in meshes.iter() {
+                for instance in &instances {
+                    let object = Object {
+                        name: name.clone(),
+                        place: self.report.origin(&at),
+                        ..Object::new(Shape::Mesh(id)).transformed(place * *instance)
+                    };
+                    self.add_object(object, &at);
+                }
+            }
+        }
+    }
+
+    /// Adds an object unless its transform flattens it to nothing or leaves the finite numbers.
+    fn add_object(&mut self, object: Object, at: &str) {
+        let inverse = object.transform.inverse();
+        if object.transform.is_finite() && inverse.is_finite() {
+            self.scene.objects.push(object);
+        } else {
+            let d = Diagnostic::note(
+                "G0507",
+                "the transform is singular (a scale of 0?); the node is not drawn",
+            );
+            self.report.push(at, d);
+        }
+    }
+
+    /// The transforms of `EXT_mesh_gpu_instancing`, or just one that does nothing.
+    fn instances(&mut self, raw: &Value, at: &str) -> Option<Vec<DAffine3>> {
+        const VEC4: Wanted = Wanted {
+            components: &[4],
+            normalize: true,
+        };
+        let Some(attributes) = extension(raw, "EXT_mesh_gpu_instancing").and_then(|e| e.get("attributes")) else {
+            return Some(vec![DAffine3::IDENTITY]);
+        };
+        let at = format!("{at}.extensions.EXT_mesh_gpu_instancing.attributes");
+        let mut read = |key: &str, wanted| {
+            let index = index_of(attributes, key, &at, &mut self.report);
+            index.map(|i| self.floats(i, wanted, &format!("{at}.{key}")))
+        };
+        let translations = read("TRANSLATION", VEC3).map_or(Some(None), |n| n.map(Some))?;
+        let rotations = read("ROTATION", VEC4).map_or(Some(None), |n| n.map(Some))?;
+        let scales = read("SCALE", VEC3).map_or(Some(None), |n| n.map(Some))?;
+        let counts: Vec<usize> = [&translations, &rotations, &scales]
+            .iter()
+            .filter_map(|n| n.as_ref().map(|n| n.count()))
+            .collect();
+        let count = counts.first().copied().unwrap_or(1);
+        if counts.iter().any(|c| *c != count) || count > MAX_INSTANCES {
+            let message = format!("the counts are {counts:?}, expected the same for all, at most {MAX_INSTANCES}");
+            self.report.error("G0508", &at, message);
+            return None;
+        }
+        let vector = |numbers: &Option<std::rc::Rc<super::accessor::Numbers>>, i, default: DVec3| {
+            numbers
+                .as_ref()
+                .map_or(default, |n| DVec3::from_array(n.get::<3>(i, 0.0).map(f64::from)))
+        };
+        let rotation = |i| {
+            let [x, y, z, w] = rotations
+                .as_ref()
+                .map_or([0.0, 0.0, 0.0, 1.0], |n| n.get::<4>(i, 0.0))
+                .map(f64::from);
+            let q = DQuat::from_xyzw(x, y, z, w);
+            if q.length_recip().is_finite() {
+                q.normalize()
+            } else {
+                DQuat::IDENTITY
+            }
+        };
+        let transform = |i| {
+            let (scale, translation) = (vector(&scales, i, DVec3::ONE), vector(&translations, i, DVec3::ZERO));
+            DAffine3::from_scale_rotation_translation(scale, rotation(i), translation)
+        };
+        Some((0..count).map(transform).collect())
+    }
+}
