@@ -4,13 +4,16 @@
 //! transforms and analytic shapes stay f64. `compile` fills the data, `driver` runs passes over tiles,
 //! `kernel` traces one path, `film` sums.
 
+pub mod bsdf;
 pub mod camera;
 pub mod estimate;
 pub mod film;
 pub mod light;
+pub mod material;
 pub mod medium;
 pub mod ray;
 pub mod report;
 pub mod sampler;
 pub mod settings;
 pub mod surface;
+pub mod texture;

@@ -1,0 +1,164 @@
+//! Reflectance of smooth interfaces, and the directions that they reflect and refract to.
+
+use crate::math::robust::try_normalize;
+use glam::Vec3;
+
+/// Unpolarised Fresnel reflectance of a smooth dielectric, in [0, 1].
+/// `cos_i` = n·ω on the side the ray comes from (≥ 0); `eta` = η_transmitted / η_incident > 0.
+/// Total internal reflection gives exactly 1; index-matched media exactly 0, also at grazing; an infinite index 1.
+/// Source: PBRT-4 §9.3, with η²cos²θt formed as (η−1)(η+1) + cos²θi, which does not cancel near η = 1.
+pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> f32 {
+    if eta == 1.0 {
+        return 0.0; // cos_i² would underflow at extreme grazing and leave 0/0
+    }
+    let k = (eta - 1.0) * (eta + 1.0) + cos_i * cos_i;
+    if !(k >= 0.0 && k.is_finite() && eta > 0.0) {
+        return 1.0;
+    }
+    let t = k.sqrt(); // η·cosθt
+    let cos_t = t / eta;
+    let s = (cos_i - t) / (cos_i + t);
+    let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    0.5 * (s * s + p * p)
+}
+
+/// (1 − cos)⁵, Schlick's weight of the reflectance at grazing incidence.
+pub fn schlick_weight(cos: f32) -> f32 {
+    let m = (1.0 - cos).clamp(0.0, 1.0);
+    let m2 = m * m;
+    m2 * m2 * m
+}
+
+/// Schlick's curve from `f0` at normal incidence to `f90` at grazing.
+pub fn schlick(f0: Vec3, f90: f32, cos: f32) -> Vec3 {
+    f0 + (Vec3::splat(f90) - f0) * schlick_weight(cos)
+}
+
+/// Reflectance at normal incidence of a dielectric of relative index `eta`; 1 for an infinite index.
+pub fn f0_from_eta(eta: f32) -> f32 {
+    if eta.is_finite() {
+        let r = (eta - 1.0) / (eta + 1.0);
+        r * r
+    } else {
+        1.0
+    }
+}
+
+/// The mirror image of `w` about the unit vector `m`.
+pub fn reflect(w: Vec3, m: Vec3) -> Vec3 {
+    m * (2.0 * w.dot(m)) - w
+}
+
+/// The unit direction into which `wo` refracts at a facet of normal `m` on its side (wo·m ≥ 0);
+/// `eta` = η_transmitted / η_incident. `None` on total internal reflection.
+pub fn refract(wo: Vec3, m: Vec3, eta: f32) -> Option<Vec3> {
+    let cos_i = wo.dot(m);
+    let k = (eta - 1.0) * (eta + 1.0) + cos_i * cos_i;
+    if !(k >= 0.0 && k.is_finite()) {
+        return None;
+    }
+    try_normalize((m * (cos_i - k.sqrt()) - wo) / eta)
+}
+
+/// [`refract`] at the plane z = 0: keeps all digits of the tangential components.
+pub fn refract_at_plane(wo: Vec3, eta: f32) -> Option<Vec3> {
+    let k = (eta - 1.0) * (eta + 1.0) + wo.z * wo.z;
+    if !(k >= 0.0 && k.is_finite()) {
+        return None;
+    }
+    try_normalize(Vec3::new(-wo.x, -wo.y, -k.sqrt().copysign(wo.z)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The textbook form in f64.
+    fn oracle(cos_i: f64, eta: f64) -> f64 {
+        let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
+        if sin2_t >= 1.0 {
+            return 1.0;
+        }
+        let cos_t = (1.0 - sin2_t).sqrt();
+        let s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+        let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+        0.5 * (s * s + p * p)
+    }
+
+    #[test]
+    fn index_matched_media_reflect_nothing() {
+        for cos in [1.0, 0.3, 1e-4, 1e-20, 0.0] {
+            assert_eq!(fresnel_dielectric(cos, 1.0), 0.0);
+        }
+        for eta in [1.0 + 1.2e-7f32, 1.0 - 6e-8] {
+            assert!(fresnel_dielectric(1.0, eta) < 1e-13, "{eta}");
+            assert!(fresnel_dielectric(0.1, eta) < 1e-7, "{eta}");
+        }
+    }
+
+    #[test]
+    fn total_reflection_is_exactly_one() {
+        for cos in [0.0, 0.1, 0.5, 0.74] {
+            assert_eq!(fresnel_dielectric(cos, 1.0 / 1.5), 1.0); // critical cosine 0.745
+            assert_eq!(
+                refract_at_plane(Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos), 1.0 / 1.5),
+                None
+            );
+        }
+        assert_eq!(fresnel_dielectric(0.3, f32::INFINITY), 1.0);
+        assert_eq!(fresnel_dielectric(0.0, 1.5), 1.0);
+    }
+
+    /// Oracle: f64. Near the critical angle dF/dθ diverges, hence 4·sqrt(2u) within 1e-6 of it.
+    #[test]
+    fn reflectance_matches_f64() {
+        for eta in [0.5f32, 1.0 / 1.5, 0.9999, 1.0001, 1.33, 1.5, 2.4, 10.0] {
+            let critical = (1.0 - f64::from(eta) * f64::from(eta)).max(0.0).sqrt();
+            for i in 0..=10_000 {
+                let cos = i as f32 / 10_000.0;
+                let off = (f64::from(fresnel_dielectric(cos, eta)) - oracle(f64::from(cos), f64::from(eta))).abs();
+                let near = (f64::from(cos) - critical).abs() < 1e-6;
+                assert!(
+                    off < if near { 1.4e-3 } else { 1e-5 },
+                    "eta {eta}, cos {cos}: off by {off}"
+                );
+            }
+            if eta < 1.0 {
+                for step in [1e-7, 1e-5, 1e-3] {
+                    let cos = (critical * (1.0 + step)) as f32;
+                    let off = (f64::from(fresnel_dielectric(cos, eta)) - oracle(f64::from(cos), f64::from(eta))).abs();
+                    assert!(off < 1.4e-3, "eta {eta} at critical·(1+{step}): off by {off}");
+                }
+            }
+        }
+    }
+
+    /// Incoherent slab: T = (1−R)/(1+R) for R of either face, since the inner angle makes both equal.
+    #[test]
+    fn both_faces_of_a_slab_reflect_alike() {
+        for cos in [1.0f32, 0.8, 0.5, 0.1] {
+            let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let inside = refract_at_plane(wo, 1.5).map(|wi| fresnel_dielectric(-wi.z, 1.0 / 1.5));
+            let outside = fresnel_dielectric(cos, 1.5);
+            assert!(
+                inside.is_some_and(|r| (r - outside).abs() < 2e-6),
+                "{inside:?} and {outside}"
+            );
+        }
+        let r = fresnel_dielectric(1.0, 1.5);
+        assert!(((1.0 - r) / (1.0 + r) - 0.923_077).abs() < 1e-6); // 12/13 for 1.5
+    }
+
+    #[test]
+    fn refraction_obeys_snell() {
+        for (sin, eta) in [(0.6f32, 1.5f32), (0.6, 1.0 / 1.5), (0.999, 1.0001), (1e-6, 2.0)] {
+            let wo = Vec3::new(sin, 0.0, (1.0 - sin * sin).sqrt());
+            for wi in [refract_at_plane(wo, eta), refract(wo, Vec3::Z, eta)]
+                .into_iter()
+                .flatten()
+            {
+                assert!((wi.x * eta + sin).abs() < 3e-7 && wi.z < 0.0, "{sin} {eta}: {wi}");
+            }
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Sheen: light scattered forwards by fibres that stand on a surface, as on cloth.
+
+use crate::math::portable::pow;
+use crate::math::robust::{sqrt_of_nonnegative, try_normalize};
+use crate::math::warp::cosine_hemisphere;
+use glam::{Vec2, Vec3};
+use std::sync::LazyLock;
+
+/// The "Charlie" lobe of glTF: D = (2 + 1/α)·sin^(1/α)θh/2π, V = 1/(4·(cosθo + cosθi − cosθo·cosθi)).
+/// Source: Estevez & Kulla, Production Friendly Microfacet Sheen BRDF, 2017; V after Neubelt & Pettineo 2013.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheen {
+    /// Tint; zero for none.
+    pub color: Vec3,
+    /// α = roughness², at least [`Sheen::ALPHA_MIN`].
+    pub alpha: f32,
+}
+
+const VIEWS: usize = 16;
+const ALPHAS: usize = 16;
+
+impl Sheen {
+    /// Narrower fibres' lobes are not told apart from this one: they lie within degrees of the horizon.
+    pub const ALPHA_MIN: f32 = 0.0049;
+
+    /// No sheen.
+    pub const NONE: Sheen = Sheen {
+        color: Vec3::ZERO,
+        alpha: 1.0,
+    };
+
+    /// From glTF's colour and perceptual roughness.
+    pub fn new(color: Vec3, roughness: f32) -> Sheen {
+        let alpha = (roughness * roughness).max(Sheen::ALPHA_MIN).min(1.0);
+        Sheen { color, alpha }
+    }
+
+    /// f·cosθi over the colour, both directions above.
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> f32 {
+        if !(wo.z > 0.0 && wi.z > 0.0) {
+            return 0.0;
+        }
+        lobe(self.alpha, wo, wi) * self.scale(wo.z)
+    }
+
+    /// Directional albedo over the colour, in [0, 1].
+    pub fn albedo(&self, cos: f32) -> f32 {
+        raw_albedo(self.alpha, cos).min(1.0)
+    }
+
+    /// What brings the lobe down to an albedo of 1 where V overshoots (grazing views).
+    fn scale(&self, cos: f32) -> f32 {
+        let e = raw_albedo(self.alpha, cos);
+        if e > 1.0 { 1.0 / e } else { 1.0 }
+    }
+}
+
+fn lobe(alpha: f32, wo: Vec3, wi: Vec3) -> f32 {
+    let Some(m) = try_normalize(wo + wi) else {
+        return 0.0;
+    };
+    let sin = sqrt_of_nonnegative(m.x * m.x + m.y * m.y);
+    let d = (2.0 + 1.0 / alpha) * pow(sin, 1.0 / alpha) / std::f32::consts::TAU;
+    d * wi.z / (4.0 * (wo.z + wi.z - wo.z * wi.z))
+}
+
+/// The lobe's albedo by interpolation; axes as in [`super::energy`].
+fn raw_albedo(alpha: f32, cos: f32) -> f32 {
+    const POINTS: usize = 256;
+    static TABLE: LazyLock<[[f32; VIEWS]; ALPHAS]> = LazyLock::new(|| {
+        std::array::from_fn(|j| {
+            let r = j as f32 / (ALPHAS - 1) as f32;
+            let alpha = (r * r).max(Sheen::ALPHA_MIN);
+            std::array::from_fn(|i| {
+                let t = i as f32 / (VIEWS - 1) as f32;
+                let cos = (t * t).max(1e-4);
+                let wo = Vec3::new(sqrt_of_nonnegative(1.0 - cos * cos), 0.0, cos);
+                let sum: f32 = (0..POINTS)
+                    .map(|k| {
+                        let k = k as f64;
+                        let u = (0.5 + 0.754_877_666_246_692_8 * k).fract() as f32;
+                        let v = (0.5 + 0.569_840_290_998_053_2 * k).fract() as f32;
+                        let wi = cosine_hemisphere(Vec2::new(u, v));
+                        if wi.z > 0.0 {
+                            lobe(alpha, wo, wi) * std::f32::consts::PI / wi.z
+                        } else {
+                            0.0
+                        }
+                    })
+                    .sum();
+                sum / POINTS as f32
+            })
+        })
+    });
+    let locate = |x: f32, n: usize| {
+        let s = x.max(0.0).min(1.0) * (n - 1) as f32;
+        let i = (s as usize).min(n - 2);
+        (i, s - i as f32)
+    };
+    let (i, w) = locate(cos.max(0.0).sqrt(), VIEWS);
+    let (j, v) = locate(alpha.sqrt(), ALPHAS);
+    let row = |j: usize| TABLE[j][i] + w * (TABLE[j][i + 1] - TABLE[j][i]);
+    row(j) + v * (row(j + 1) - row(j))
+}
