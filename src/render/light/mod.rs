@@ -19,6 +19,9 @@ mod sphere;
 mod tree;
 mod triangle;
 
+#[cfg(test)]
+mod tests;
+
 pub use disc::DiscLight;
 pub use environment::{EnvironmentImage, EnvironmentLight};
 pub use lamp::{AreaLamp, DirectionalLamp, Falloff, PointLamp, SpotLamp, SpotProfile};
