@@ -39,7 +39,7 @@ use glam::{DVec3, Vec2, Vec3};
 #[derive(Clone, Debug)]
 pub enum Light {
     /// Shines from a point in every direction.
-    Point(PointLamp),
+    Point(Box<PointLamp>),
     /// Shines from a point into a cone.
     Spot(Box<SpotLamp>),
     /// Parallel light.

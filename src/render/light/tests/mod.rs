@@ -138,12 +138,12 @@ fn disc(center: DVec3, axis1: DVec3, axis2: DVec3, hole: f64) -> Light {
 }
 
 fn point(position: DVec3, color: Vec3, falloff: Falloff) -> Light {
-    Light::Point(PointLamp {
+    Light::Point(Box::new(PointLamp {
         position,
         color,
         falloff,
         casts_shadows: true,
-    })
+    }))
 }
 
 /// Irradiance at a receiver with a normal: the midpoint rule with `k`×`k` points over the numbers of `sample`.
