@@ -19,6 +19,9 @@ mod sphere;
 mod tree;
 mod triangle;
 
+#[cfg(test)]
+mod tests;
+
 pub use disc::DiscLight;
 pub use environment::{EnvironmentImage, EnvironmentLight};
 pub use lamp::{AreaLamp, DirectionalLamp, Falloff, PointLamp, SpotLamp, SpotProfile};
@@ -36,7 +39,7 @@ use glam::{DVec3, Vec2, Vec3};
 #[derive(Clone, Debug)]
 pub enum Light {
     /// Shines from a point in every direction.
-    Point(PointLamp),
+    Point(Box<PointLamp>),
     /// Shines from a point into a cone.
     Spot(Box<SpotLamp>),
     /// Parallel light.

@@ -87,11 +87,10 @@ impl LightSet {
     /// With probability 1 − Σ the result is `None`, so the estimate is f·cos·radiance/pdf, and 0 for `None`.
     pub fn sample(&self, p: Vec3, n: Vec3, two_sided: bool, u_pick: f32, u: Vec2) -> Option<LightSample> {
         let at = Receiver { p, n, two_sided };
-        let (light, probability) = match &self.choice {
-            None if self.lights.is_empty() => return None,
+        // The number that picks among many lights borrows its low bits from those that pick the point.
+        let (light, probability) = match self.choice {
             None => (0, 1.0),
-            // The number that picks among many lights borrows its low bits from those that pick the point.
-            Some(choice) => choice.sample(&at, extend(u_pick, u.x.to_bits() ^ u.y.to_bits().rotate_left(16)))?,
+            Some(_) => self.choose(&at, extend(u_pick, u.x.to_bits() ^ u.y.to_bits().rotate_left(16)))?,
         };
         let l = self.lights.get(light as usize)?;
         let aim = self.aim(l, &at, u)?;
@@ -117,6 +116,15 @@ impl LightSet {
             light,
             casts_shadow: aim.casts_shadow,
         })
+    }
+
+    /// A light and the probability of its choice.
+    pub(crate) fn choose(&self, at: &Receiver, u: f64) -> Option<(u32, f32)> {
+        match &self.choice {
+            None if self.lights.is_empty() => None,
+            None => Some((0, 1.0)),
+            Some(choice) => choice.sample(at, u),
+        }
     }
 
     fn aim(&self, light: &Light, at: &Receiver, u: Vec2) -> Option<Aim> {

@@ -1,0 +1,236 @@
+//! The choice among lights: probabilities that sum to 1, that are realised, and that starve no light.
+
+use super::*;
+use crate::math::stats::Pcg;
+use crate::math::warp::uniform_sphere;
+
+fn cloud(n: u32, seed: u64) -> Vec<Light> {
+    let mut rng = Pcg::new(seed);
+    (0..n)
+        .map(|_| {
+            let p = uniform_sphere(rng.next_vec2()) * 10.0 * rng.next_f32();
+            let e1 = uniform_sphere(rng.next_vec2()) * 0.1;
+            let e2 = uniform_sphere(rng.next_vec2()) * 0.1 * rng.next_f32();
+            let brightness = 10f32.powf(4.0 * rng.next_f32());
+            match triangle(p, p + e1, p + e2, rng.next_f32() < 0.3) {
+                Light::Triangle(l) => Light::Triangle(TriangleLight {
+                    radiance: Vec3::splat(brightness),
+                    ..l
+                }),
+                other => other,
+            }
+        })
+        .collect()
+}
+
+/// Every kind of light, several of each.
+fn mixture() -> Vec<Light> {
+    let mut lights = cloud(20, 77);
+    let spot = SpotProfile::Punctual { inner: 0.5, outer: 1.9 };
+    for i in 0..4 {
+        let q = DVec3::new(f64::from(i), 3.0, 2.0);
+        let inverse = Falloff::InverseSquare { range: None };
+        lights.push(point(q, Vec3::splat(10.0), inverse));
+        lights.push(point(-q, Vec3::splat(0.2), Falloff::None));
+        lights.push(Light::Spot(Box::new(SpotLamp {
+            position: q * 2.0,
+            axis: -q.normalize(),
+            color: Vec3::ONE,
+            profile: spot,
+            falloff: inverse,
+            casts_shadows: true,
+        })));
+        lights.push(sphere(-q * 2.0, 0.5));
+    }
+    lights.push(Light::Directional(DirectionalLamp {
+        direction: -Vec3::Z,
+        color: Vec3::ONE,
+        casts_shadows: true,
+    }));
+    lights.push(Light::Environment(Box::new(EnvironmentLight::Constant(Vec3::splat(
+        0.1,
+    )))));
+    lights
+}
+
+fn receivers(n: usize, seed: u64) -> Vec<Receiver> {
+    let mut rng = Pcg::new(seed);
+    (0..n)
+        .map(|i| Receiver {
+            p: uniform_sphere(rng.next_vec2()) * 12.0 * rng.next_f32(),
+            n: if i % 3 == 0 {
+                Vec3::ZERO
+            } else {
+                uniform_sphere(rng.next_vec2())
+            },
+            two_sided: i % 3 == 1,
+        })
+        .collect()
+}
+
+fn total(set: &LightSet, at: &Receiver) -> f64 {
+    (0..set.len() as u32).map(|i| f64::from(set.probability(i, at))).sum()
+}
+
+/// Branches into which nothing shines give no light; what is left sums to the chance of getting one.
+#[test]
+fn probabilities_sum_to_one_or_to_the_chance_of_a_light() {
+    for (set, count) in [
+        (LightSet::new(cloud(1000, 1)), 100),
+        (LightSet::new(mixture()), 300),
+        (LightSet::new(cloud(2, 5)), 300),
+        (LightSet::new(cloud(100_000, 6)), 4),
+    ] {
+        for at in receivers(count, 3) {
+            let sum = total(&set, &at);
+            assert!(sum < 1.0 + 1e-5, "{sum} at {at:?}");
+            let k = 1 << 14;
+            let chosen = (0..k)
+                .filter(|i| set.choose(&at, (f64::from(*i) + 0.5) / f64::from(k)).is_some())
+                .count();
+            let chance = chosen as f64 / f64::from(k);
+            assert!((sum - chance).abs() < 2e-3, "{sum}, but chosen {chance} at {at:?}");
+        }
+    }
+}
+
+/// Oracle: even numbers from 0 to 1 are counted.
+#[test]
+fn stated_probabilities_are_the_realised_ones() {
+    for lights in [mixture(), cloud(50, 9), mixture().split_off(20)] {
+        let set = LightSet::new(lights);
+        for at in receivers(6, 14) {
+            let k = 1 << 18;
+            let mut counts = vec![0u32; set.len()];
+            for i in 0..k {
+                if let Some((light, probability)) = set.choose(&at, (f64::from(i) + 0.5) / f64::from(k)) {
+                    counts[light as usize] += 1;
+                    assert_eq!(probability, set.probability(light, &at), "light {light} at {at:?}");
+                }
+            }
+            for (i, &count) in (0u32..).zip(&counts) {
+                let (found, stated) = (f64::from(count) / f64::from(k), f64::from(set.probability(i, &at)));
+                assert!(
+                    (found - stated).abs() < 2.0 / f64::from(k) + 1e-6,
+                    "light {i}: {found}, stated {stated}"
+                );
+            }
+        }
+    }
+}
+
+/// What contributes anywhere on a light must have a probability.
+#[test]
+fn no_contributing_light_is_starved() {
+    for lights in [mixture(), cloud(300, 10)] {
+        let set = LightSet::new(lights.clone());
+        let single: Vec<LightSet> = lights.iter().map(|l| LightSet::new(vec![l.clone()])).collect();
+        let mut rng = Pcg::new(44);
+        for at in receivers(60, 15) {
+            for (i, alone) in (0u32..).zip(&single) {
+                for _ in 0..4 {
+                    let Some(s) = alone.sample(at.p, at.n, at.two_sided, 0.5, rng.next_vec2()) else {
+                        continue;
+                    };
+                    if at.cosine(s.wi) > 0.0 {
+                        assert!(set.probability(i, &at) > 0.0, "light {i} at {at:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The tree is worth its price: beside even choice the variance of the irradiance falls at least fivefold.
+#[test]
+fn the_tree_prefers_what_matters() {
+    let lights = cloud(2000, 20);
+    let set = LightSet::new(lights.clone());
+    let single: Vec<LightSet> = lights.iter().map(|l| LightSet::new(vec![l.clone()])).collect();
+    let mut rng = Pcg::new(45);
+    let (mut by_tree, mut evenly) = (0.0, 0.0);
+    for at in receivers(30, 16) {
+        let spread = |rng: &mut Pcg, even: bool| {
+            let (n, mut sum, mut squares) = (2000, 0.0, 0.0);
+            for _ in 0..n {
+                let (pick, u) = (rng.next_f32(), rng.next_vec2());
+                let v = if even {
+                    let i = (pick * lights.len() as f32) as usize;
+                    let s = single[i].sample(at.p, at.n, at.two_sided, 0.5, u);
+                    s.map_or(0.0, |s| {
+                        f64::from(at.cosine(s.wi).max(0.0) * s.radiance.x / s.pdf) * lights.len() as f64
+                    })
+                } else {
+                    let s = set.sample(at.p, at.n, at.two_sided, pick, u);
+                    s.map_or(0.0, |s| f64::from(at.cosine(s.wi).max(0.0) * s.radiance.x / s.pdf))
+                };
+                sum += v;
+                squares += v * v;
+            }
+            let mean = sum / f64::from(n);
+            (mean, squares / f64::from(n) - mean * mean)
+        };
+        // Relative to the better known of the two means.
+        let (mean, variance) = spread(&mut rng, false);
+        by_tree += variance / (mean * mean);
+        evenly += spread(&mut rng, true).1 / (mean * mean);
+    }
+    assert!(by_tree * 5.0 < evenly, "tree {by_tree}, evenly {evenly}");
+}
+
+#[test]
+fn coincident_lights_and_extreme_strengths_are_sound() {
+    let same = || triangle(Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z + Vec3::Y, true);
+    let set = LightSet::new((0..1000).map(|_| same()).collect());
+    let at = receiver(Vec3::ZERO, Vec3::Z);
+    assert!((total(&set, &at) - 1.0).abs() < 1e-5);
+    for i in [0, 500, 999] {
+        assert!(
+            (set.probability(i, &at) / 1e-3 - 1.0).abs() < 0.2,
+            "{}",
+            set.probability(i, &at)
+        );
+    }
+    let lamps = [1e-30f32, 1.0, 1e30].map(|c| {
+        let inverse = Falloff::InverseSquare { range: None };
+        point(DVec3::new(0.0, f64::from(c.log10()), 3.0), Vec3::splat(c), inverse)
+    });
+    let set = LightSet::new(lamps.to_vec());
+    assert!((total(&set, &at) - 1.0).abs() < 1e-5);
+    assert!((0..3).all(|i| set.probability(i, &at) > 1e-7));
+    assert!(
+        LightSet::new(Vec::new())
+            .sample(at.p, at.n, false, 0.5, Vec2::ZERO)
+            .is_none()
+    );
+}
+
+/// A scene of any size gives the same choices, bit for bit.
+#[test]
+fn choices_do_not_depend_on_the_unit_of_length() {
+    let lights = cloud(500, 30);
+    let set = LightSet::new(lights.clone());
+    for exponent in [-40, -20, 20, 40] {
+        let scale = 2f32.powi(exponent);
+        let scaled = lights.iter().map(|l| match l {
+            Light::Triangle(l) => Light::Triangle(TriangleLight {
+                p0: l.p0 * scale,
+                e1: l.e1 * scale,
+                e2: l.e2 * scale,
+                ..*l
+            }),
+            other => other.clone(),
+        });
+        let other = LightSet::new(scaled.collect());
+        for at in receivers(20, 31) {
+            let there = Receiver { p: at.p * scale, ..at };
+            for i in 0..20 {
+                assert_eq!(
+                    set.probability(i, &at),
+                    other.probability(i, &there),
+                    "2^{exponent}, light {i}"
+                );
+            }
+        }
+    }
+}
