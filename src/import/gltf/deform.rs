@@ -2,7 +2,8 @@
 
 use super::Loader;
 use super::accessor::Wanted;
-use super::mesh::{Part, VEC3};
+use super::mesh::VEC3;
+use super::part::Part;
 use crate::diag::Diagnostic;
 use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3, Vec4};
 use gltf::json;

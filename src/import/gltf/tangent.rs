@@ -1,6 +1,6 @@
 //! Tangents for normal maps whose model brings none: MikkTSpace, as the specification asks.
 
-use super::mesh::Part;
+use super::part::Part;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{DAffine2, DVec2, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
@@ -37,7 +37,12 @@ impl Geometry for Corners<'_> {
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
         if let Some(space) = space {
-            self.tangents[face][corner] = Vec4::from(space.tangent_encoded());
+            let mut tangent = Vec4::from(space.tangent_encoded());
+            // The generator takes the sign from the winding of the faces.
+            if self.part.flip_winding {
+                tangent.w = -tangent.w;
+            }
+            self.tangents[face][corner] = tangent;
         }
     }
 }

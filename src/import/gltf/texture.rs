@@ -171,8 +171,14 @@ impl Loader<'_> {
                 ImageSource::Bytes(view.bytes.to_vec().into())
             }
         };
+        // Messages about the picture itself are clearest with its file name.
+        let name = match (&source, raw.get("name").and_then(Value::as_str)) {
+            (ImageSource::File(path), _) => path.display().to_string(),
+            (_, Some(name)) if !name.is_empty() => name.to_owned(),
+            _ => self.report.place(&here),
+        };
         Some(self.scene.add_image(Image {
-            name: self.doc.name("images", index),
+            name,
             source,
             place: self.report.origin(&here),
         }))

@@ -1,0 +1,85 @@
+//! A primitive's data on its way into a mesh, and the joining of parts.
+
+use crate::scene::{MaterialId, Mesh};
+use glam::{DVec3, Vec2, Vec3, Vec4};
+
+/// One primitive with everything applied; optional attributes are empty or have one value per vertex.
+#[derive(Default)]
+pub(super) struct Part {
+    pub positions: Vec<DVec3>,
+    pub normals: Vec<Vec3>,
+    pub tangents: Vec<Vec4>,
+    pub uvs: Vec<Vec<Vec2>>,
+    pub colors: Vec<Vec4>,
+    pub triangles: Vec<[u32; 3]>,
+    pub material: Option<MaterialId>,
+    pub flip_winding: bool,
+    pub dropped: u64,
+}
+
+impl Part {
+    /// Reorders all vertex data: the new vertex i is the old vertex `order[i]`. Triangles are the caller's to renumber.
+    pub(super) fn gather(&mut self, order: &[u32]) {
+        fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
+            if !values.is_empty() {
+                *values = order.iter().map(|&v| values[v as usize]).collect();
+            }
+        }
+        pick(&mut self.positions, order);
+        pick(&mut self.normals, order);
+        pick(&mut self.tangents, order);
+        pick(&mut self.colors, order);
+        self.uvs.iter_mut().for_each(|set| pick(set, order));
+    }
+
+    /// Parts with the same layout can share a mesh.
+    fn layout(&self) -> (bool, bool, bool, bool, Vec<bool>) {
+        let uvs = self.uvs.iter().map(Vec::is_empty).collect();
+        let (normals, tangents) = (self.normals.is_empty(), self.tangents.is_empty());
+        (self.flip_winding, normals, tangents, self.colors.is_empty(), uvs)
+    }
+}
+
+/// Joins parts of the same layout into meshes, in the order of their first parts.
+pub(super) fn join(parts: Vec<Part>, name: &str) -> Vec<Mesh> {
+    let mut groups: Vec<Vec<Part>> = Vec::new();
+    for part in parts {
+        match groups.iter_mut().find(|g| g[0].layout() == part.layout()) {
+            Some(group) => group.push(part),
+            None => groups.push(vec![part]),
+        }
+    }
+    groups.into_iter().filter_map(|group| join_like(group, name)).collect()
+}
+
+fn join_like(parts: Vec<Part>, name: &str) -> Option<Mesh> {
+    let positions: Vec<DVec3> = parts.iter().flat_map(|p| &p.positions).copied().collect();
+    u32::try_from(positions.len()).ok()?;
+    let mut mesh = Mesh::from_f64(name, &positions, &[])?;
+    drop(positions);
+    let mut first = 0;
+    for part in parts {
+        let slot = mesh
+            .materials
+            .iter()
+            .position(|m| *m == part.material)
+            .unwrap_or_else(|| {
+                mesh.materials.push(part.material);
+                mesh.materials.len() - 1
+            });
+        mesh.flip_winding = part.flip_winding;
+        mesh.dropped_faces += part.dropped;
+        for face in &part.triangles {
+            mesh.push_face(face.map(|v| v + first), (slot > 0).then_some(slot as u32));
+        }
+        first += part.positions.len() as u32;
+        mesh.normals.extend(part.normals);
+        mesh.tangents.extend(part.tangents);
+        mesh.colors.extend(part.colors);
+        mesh.uvs.resize(part.uvs.len(), Vec::new());
+        for (to, from) in mesh.uvs.iter_mut().zip(part.uvs) {
+            to.extend(from);
+        }
+    }
+    Some(mesh)
+}
