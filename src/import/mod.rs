@@ -1,1 +1,3 @@
-//! To come.
+//! Models of other formats to the scene description.
+
+pub mod obj;
