@@ -3,4 +3,6 @@
 
 pub mod framing;
 pub mod gltf;
+//! Models of other formats to the scene description.
+
 pub mod obj;
