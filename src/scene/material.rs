@@ -346,4 +346,47 @@ impl Material {
         self.emission = radiance.into();
         self
     }
+
+    /// Calls `f` for every texture this material refers to (not those of the parts of a mix).
+    pub fn each_texture(&self, f: &mut dyn FnMut(super::TextureId)) {
+        let mut all = |colors: &[&ColorInput], scalars: &[&ScalarInput]| {
+            colors.iter().filter_map(|c| c.texture).for_each(&mut *f);
+            scalars.iter().filter_map(|s| s.texture.map(|t| t.0)).for_each(&mut *f);
+        };
+        all(&[&self.emission], &[&self.opacity.alpha]);
+        match &self.surface {
+            SurfaceModel::Black => {}
+            SurfaceModel::Specular { color } => all(&[color], &[]),
+            SurfaceModel::Finish(finish) => all(&[&finish.color], &[]),
+            SurfaceModel::Mix { weight, .. } => all(&[], &[weight]),
+            SurfaceModel::Diffuse { color, sigma: s }
+            | SurfaceModel::Glass { color, roughness: s, .. }
+            | SurfaceModel::Glossy { color, roughness: s, .. }
+            | SurfaceModel::Translucent { color, transmit: s } => all(&[color], &[s]),
+            SurfaceModel::Principled(p) => all(
+                &[
+                    &p.base_color,
+                    &p.specular_color,
+                    &p.sheen_color,
+                    &p.diffuse_transmission_color,
+                ],
+                &[
+                    &p.metallic,
+                    &p.roughness,
+                    &p.specular,
+                    &p.transmission,
+                    &p.clearcoat,
+                    &p.clearcoat_roughness,
+                    &p.sheen_roughness,
+                    &p.anisotropy,
+                    &p.diffuse_transmission,
+                ],
+            ),
+        }
+        let coat = match &self.surface {
+            SurfaceModel::Principled(p) => p.clearcoat_normal,
+            _ => None,
+        };
+        [self.normal_map, coat].into_iter().flatten().for_each(|n| f(n.texture));
+    }
 }
