@@ -4,7 +4,10 @@
 //! transforms and analytic shapes stay f64. `compile` fills the data, `driver` runs passes over tiles,
 //! `kernel` traces one path, `film` sums.
 
+pub mod accel;
+pub mod geometry;
 pub mod ray;
 pub mod report;
 pub mod settings;
+pub mod shape;
 pub mod surface;
