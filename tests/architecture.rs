@@ -31,11 +31,17 @@ fn all_sources() -> Vec<(String, String)> {
     let mut files = Vec::new();
     sources(&root, &mut files);
     let name = |p: &Path| p.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
-    files.iter().map(|p| (name(p), fs::read_to_string(p).unwrap())).collect()
+    files
+        .iter()
+        .map(|p| (name(p), fs::read_to_string(p).unwrap()))
+        .collect()
 }
 
 fn floor(module: &str) -> Option<(usize, usize)> {
-    FLOORS.iter().enumerate().find_map(|(f, rooms)| Some((f, rooms.iter().position(|r| *r == module)?)))
+    FLOORS
+        .iter()
+        .enumerate()
+        .find_map(|(f, rooms)| Some((f, rooms.iter().position(|r| *r == module)?)))
 }
 
 /// The part of a source before its tests.
@@ -72,9 +78,15 @@ fn imports_go_down_only() {
 fn engine_code_has_no_bare_epsilons() {
     let mut wrong = Vec::new();
     for (name, text) in all_sources() {
-        if !["render/shape", "render/accel", "render/bsdf", "render/light", "render/geometry"]
-            .iter()
-            .any(|p| name.starts_with(p))
+        if ![
+            "render/shape",
+            "render/accel",
+            "render/bsdf",
+            "render/light",
+            "render/geometry",
+        ]
+        .iter()
+        .any(|p| name.starts_with(p))
         {
             continue;
         }
@@ -90,7 +102,11 @@ fn engine_code_has_no_bare_epsilons() {
             }
         }
     }
-    assert!(wrong.is_empty(), "name the bound, or end the line with `// reason: …`:\n{}", wrong.join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "name the bound, or end the line with `// reason: …`:\n{}",
+        wrong.join("\n")
+    );
 }
 
 #[test]
@@ -106,7 +122,18 @@ fn files_stay_within_one_room() {
 /// The engine's elementary functions are portable ones; the platform's differ in the last bit.
 #[test]
 fn the_engine_calls_no_platform_functions() {
-    let forbidden = [".sin()", ".cos()", ".sin_cos()", ".tan()", ".exp()", ".ln()", ".powf(", ".powi(", ".acos()", ".atan2("];
+    let forbidden = [
+        ".sin()",
+        ".cos()",
+        ".sin_cos()",
+        ".tan()",
+        ".exp()",
+        ".ln()",
+        ".powf(",
+        ".powi(",
+        ".acos()",
+        ".atan2(",
+    ];
     let mut wrong = Vec::new();
     for (name, text) in all_sources() {
         if !name.starts_with("render/") {

@@ -14,7 +14,10 @@ pub fn compile_camera(camera: &Camera, width: u32, height: u32, diags: &mut Diag
         right = right.normalize_or(DVec3::X) * (camera.up.length() * aspect);
     }
     let mut refuse = |message: String, hint: &str| {
-        diags.push(super::at_place(Diagnostic::error("C0201", message).hint(hint), &camera.place));
+        diags.push(super::at_place(
+            Diagnostic::error("C0201", message).hint(hint),
+            &camera.place,
+        ));
     };
     let area = right.cross(camera.up);
     let vectors_finite = camera.direction.is_finite() && area.is_finite() && camera.location.is_finite();

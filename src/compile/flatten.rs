@@ -34,8 +34,11 @@ pub fn leaves<'a>(scene: &'a Scene, diags: &mut Diagnostics) -> Vec<Leaf<'a>> {
                 out.push(leaf);
             } else {
                 diags.push(super::at_place(
-                    Diagnostic::warning("C0101", "an object's transform is singular or not finite: it is left out")
-                        .hint("a scale factor may be zero; give every axis a size"),
+                    Diagnostic::warning(
+                        "C0101",
+                        "an object's transform is singular or not finite: it is left out",
+                    )
+                    .hint("a scale factor may be zero; give every axis a size"),
                     &leaf.object.place,
                 ));
             }
@@ -48,7 +51,9 @@ pub fn leaves<'a>(scene: &'a Scene, diags: &mut Diagnostics) -> Vec<Leaf<'a>> {
             ));
             return out;
         }
-        let Some(group) = scene.groups.get(id.index()) else { continue };
+        let Some(group) = scene.groups.get(id.index()) else {
+            continue;
+        };
         to_do.extend(group.objects.iter().rev().map(|o| (inside(&leaf, o), depth + 1)));
     }
     out
@@ -70,7 +75,9 @@ fn inside<'a>(outer: &Leaf<'_>, object: &'a Object) -> Leaf<'a> {
         object,
         transform: outer.transform * object.transform,
         material: object.material.or(outer.material),
-        override_material: outer.override_material.or(object.material.filter(|_| object.override_material)),
+        override_material: outer
+            .override_material
+            .or(object.material.filter(|_| object.override_material)),
         visibility: Visibility {
             camera: a.camera && b.camera,
             shadow: a.shadow && b.shadow,
@@ -82,7 +89,10 @@ fn inside<'a>(outer: &Leaf<'_>, object: &'a Object) -> Leaf<'a> {
 /// Whether a shape under this transform has an inside to hit: all numbers finite, the linear part invertible.
 fn drawable(t: &DAffine3) -> bool {
     let m = t.matrix3;
-    let largest = [m.x_axis, m.y_axis, m.z_axis].iter().map(|c| c.abs().max_element()).fold(0.0, f64::max);
+    let largest = [m.x_axis, m.y_axis, m.z_axis]
+        .iter()
+        .map(|c| c.abs().max_element())
+        .fold(0.0, f64::max);
     // Scaled by the largest entry, so that tiny and huge scenes are judged alike.
     let det = (m * (1.0 / largest)).determinant();
     t.is_finite() && det.is_finite() && det != 0.0 && m.inverse().is_finite()
@@ -107,9 +117,13 @@ mod tests {
         let [outer, inner] = [0.1, 0.2].map(|g| scene.add_material(crate::scene::Material::diffuse(DVec3::splat(g))));
         let group = scene.add_group(vec![sphere(), sphere().with_material(inner)]);
         let place = |x: f64| DAffine3::from_translation(DVec3::X * x);
-        let placed = Object::new(Shape::Group(group)).with_material(outer).transformed(place(1.0));
+        let placed = Object::new(Shape::Group(group))
+            .with_material(outer)
+            .transformed(place(1.0));
         let second = scene.add_group(vec![placed]);
-        scene.objects.push(Object::new(Shape::Group(second)).transformed(place(10.0)));
+        scene
+            .objects
+            .push(Object::new(Shape::Group(second)).transformed(place(10.0)));
         let found = leaves(&scene, &mut Diagnostics::default());
         assert_eq!(found.len(), 2);
         assert_eq!((found[0].material, found[1].material), (Some(outer), Some(inner)));
@@ -130,8 +144,12 @@ mod tests {
     #[test]
     fn a_flattened_object_is_left_out_with_a_warning_and_tiny_ones_are_not() {
         let mut scene = Scene::default();
-        scene.objects.push(sphere().transformed(DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))));
-        scene.objects.push(sphere().transformed(DAffine3::from_scale(DVec3::splat(1e-130))));
+        scene
+            .objects
+            .push(sphere().transformed(DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))));
+        scene
+            .objects
+            .push(sphere().transformed(DAffine3::from_scale(DVec3::splat(1e-130))));
         let mut diags = Diagnostics::default();
         assert_eq!(leaves(&scene, &mut diags).len(), 1);
         assert_eq!(diags.count(crate::diag::Severity::Warning), 1);

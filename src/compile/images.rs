@@ -34,7 +34,11 @@ impl<'a> Images<'a> {
 
     /// Decodes all of these side by side. What cannot be read costs one warning each.
     pub fn decode_all(&mut self, wanted: &[ImageId], diags: &mut Diagnostics) {
-        let mut new: Vec<ImageId> = wanted.iter().copied().filter(|id| !self.places.contains_key(id)).collect();
+        let mut new: Vec<ImageId> = wanted
+            .iter()
+            .copied()
+            .filter(|id| !self.places.contains_key(id))
+            .collect();
         new.sort();
         new.dedup();
         let decoded: Vec<_> = new.par_iter().map(|id| self.decode(*id).map(texture_image)).collect();
@@ -66,7 +70,9 @@ impl<'a> Images<'a> {
         for y in 0..image.height() {
             for x in 0..image.width() {
                 let t = image.texel(x, y, srgb);
-                sum.iter_mut().zip([t.x, t.y, t.z]).for_each(|(s, v)| *s += f64::from(v));
+                sum.iter_mut()
+                    .zip([t.x, t.y, t.z])
+                    .for_each(|(s, v)| *s += f64::from(v));
             }
         }
         let n = f64::from(image.width()) * f64::from(image.height());
@@ -79,7 +85,13 @@ impl<'a> Images<'a> {
         match self.decode(id) {
             Ok(picture) => {
                 let float = picture.is_float();
-                let linear = |v: f32| if float { v } else { linear_from_srgb(f64::from(v)) as f32 };
+                let linear = |v: f32| {
+                    if float {
+                        v
+                    } else {
+                        linear_from_srgb(f64::from(v)) as f32
+                    }
+                };
                 let texels = (0..picture.texels.len()).filter_map(|i| picture.texels.rgba(i));
                 let texels = texels.map(|[r, g, b, _]| [r, g, b].map(linear)).collect();
                 Some((picture.width, picture.height, texels))
@@ -99,7 +111,10 @@ impl<'a> Images<'a> {
 
     fn decode(&self, id: ImageId) -> Result<Picture, Diagnostic> {
         let Some(image) = self.scene.images.get(id.index()) else {
-            return Err(Diagnostic::warning("I0101", format!("image number {} does not exist", id.0)));
+            return Err(Diagnostic::warning(
+                "I0101",
+                format!("image number {} does not exist", id.0),
+            ));
         };
         let result = match &image.source {
             ImageSource::Pixels { width, height, data } => Ok(Picture {
@@ -110,8 +125,10 @@ impl<'a> Images<'a> {
             ImageSource::Bytes(bytes) => pictures::decode(bytes, &image.name, Limits::default()),
             ImageSource::File(path) => match self.files.read(path) {
                 Ok(bytes) => pictures::decode(&bytes, &path.to_string_lossy(), Limits::default()),
-                Err(e) => Err(Diagnostic::warning("I0102", format!("cannot read image \"{}\": {e}", path.display()))
-                    .hint("check the name and that the file lies where the scene says")),
+                Err(e) => Err(
+                    Diagnostic::warning("I0102", format!("cannot read image \"{}\": {e}", path.display()))
+                        .hint("check the name and that the file lies where the scene says"),
+                ),
             },
         };
         result.map_err(|d| referred_to(d, image))

@@ -19,12 +19,12 @@ fn lamp(light: &scene::Light, origin: DVec3) -> Light {
     let color = light.color.as_vec3();
     let casts_shadows = light.casts_shadows;
     match light.kind.clone() {
-        LightKind::Point { position, falloff: f } => Light::Point(PointLamp {
+        LightKind::Point { position, falloff: f } => Light::Point(Box::new(PointLamp {
             position: position - origin,
             color,
             falloff: falloff(f),
             casts_shadows,
-        }),
+        })),
         LightKind::Spot {
             position,
             axis,

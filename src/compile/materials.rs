@@ -50,7 +50,10 @@ impl<'a, 'i> Materials<'a, 'i> {
             return known;
         }
         let fallback = Material::diffuse(DVec3::splat(0.8));
-        let material = id.and_then(|id| self.scene.materials.get(id.index())).unwrap_or(&fallback).clone();
+        let material = id
+            .and_then(|id| self.scene.materials.get(id.index()))
+            .unwrap_or(&fallback)
+            .clone();
         if depth > DEEPEST_MIX {
             diags.push(super::at_place(
                 Diagnostic::error("C0301", format!("mixes are nested more than {DEEPEST_MIX} deep"))
@@ -330,7 +333,11 @@ fn solid(material: &Material) -> (f32, f32, bool) {
         SurfaceModel::Glossy { ior, .. } => (*ior as f32, 0.0, false),
         SurfaceModel::Principled(p) => {
             let transmits = p.thick && p.transmission.factor > 0.0;
-            (if p.ior == 0.0 { f32::INFINITY } else { p.ior as f32 }, p.dispersion as f32, transmits)
+            (
+                if p.ior == 0.0 { f32::INFINITY } else { p.ior as f32 },
+                p.dispersion as f32,
+                transmits,
+            )
         }
         SurfaceModel::Finish(f) => {
             let passes = f.filter > 0.0 || f.transmit > 0.0;
@@ -351,7 +358,9 @@ pub fn images_of(scene: &Scene, materials: impl Iterator<Item = MaterialId>) -> 
     let mut to_do: Vec<MaterialId> = materials.collect();
     let mut seen = std::collections::BTreeSet::new();
     while let Some(id) = to_do.pop() {
-        let Some(m) = scene.materials.get(id.index()) else { continue };
+        let Some(m) = scene.materials.get(id.index()) else {
+            continue;
+        };
         if !seen.insert(id) {
             continue;
         }

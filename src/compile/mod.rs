@@ -1,1 +1,121 @@
-//! To come.
+//! From the description to the engine: only here are both known.
+//!
+//! The camera becomes the origin; groups are flattened; shapes, materials, textures, images and lights that are
+//! used are turned into the engine's tables. What nothing uses is not decoded and not built.
+
+mod camera;
+mod flatten;
+mod images;
+mod lights;
+mod materials;
+mod objects;
+
+use crate::diag::{Diagnostic, Diagnostics};
+use crate::files::Files;
+use crate::render::geometry::Geometry;
+use crate::render::light::LightSet;
+use crate::render::material::{Alpha, Material, SurfaceModel};
+use crate::render::scene::{CompiledScene, SceneTraits};
+use crate::render::texture::Textures;
+use crate::scene::{Place, Scene, Shape};
+
+/// Makes a scene ready to render at this size. `None` if there are errors. Images are read through `files`,
+/// only those that something visible uses.
+pub fn compile(
+    scene: &Scene,
+    files: &dyn Files,
+    width: u32,
+    height: u32,
+    diags: &mut Diagnostics,
+) -> Option<CompiledScene> {
+    let errors = |d: &Diagnostics| d.count(crate::diag::Severity::Error);
+    let before = errors(diags);
+    let Some(camera) = scene.camera() else {
+        diags.push(
+            Diagnostic::error("C0202", "the scene has no camera")
+                .hint("add `camera { location <0, 1, -5> look_at <0, 0, 0> }`"),
+        );
+        return None;
+    };
+    let origin = camera.location;
+    let engine_camera = camera::compile_camera(camera, width, height, diags);
+    let leaves = flatten::leaves(scene, diags);
+    if leaves.is_empty() && matches!(scene.environment.kind, crate::scene::EnvironmentKind::Black) {
+        diags.push(Diagnostic::warning(
+            "C0105",
+            "nothing to draw: the scene has no objects and no environment",
+        ));
+    }
+
+    let mut images = images::Images::new(scene, files);
+    let (environment, backdrop) = lights::environment(scene, &mut images, diags);
+    let used = leaves.iter().flat_map(|leaf| {
+        let own = leaf.override_material.or(leaf.material).or(scene.default_material);
+        let mesh = match leaf.object.shape {
+            Shape::Mesh(id) if leaf.override_material.is_none() => scene.meshes.get(id.index()),
+            _ => None,
+        };
+        own.into_iter()
+            .chain(mesh.into_iter().flat_map(|m| m.materials.iter().copied().flatten()))
+    });
+    images.decode_all(&materials::images_of(scene, used), diags);
+
+    let mut lamps = lights::lamps(scene, origin);
+    lamps.extend(environment);
+    let mut materials = materials::Materials::new(scene, &mut images);
+    let mut objects = objects::Objects::new(scene, origin, &mut materials, lamps);
+    for leaf in &leaves {
+        objects.add(leaf, diags);
+    }
+    objects.finish(diags);
+    let (objects, meshes, lights) = (objects.objects, objects.meshes, objects.lights);
+    let (materials, nodes) = (materials.materials, materials.nodes);
+    if errors(diags) > before {
+        return None;
+    }
+    let lights = LightSet::new(lights);
+    let traits = SceneTraits {
+        see_through: materials.iter().any(is_see_through),
+        lamp_through_glass: lights.has_delta() && materials.iter().any(|m| m.interior),
+        solids: materials.iter().any(|m| m.interior),
+    };
+    Some(CompiledScene {
+        origin,
+        camera: engine_camera?,
+        geometry: Geometry::build(objects, meshes),
+        materials,
+        textures: Textures {
+            nodes,
+            images: images.into_data(),
+        },
+        lights,
+        backdrop,
+        traits,
+    })
+}
+
+/// Whether light may pass a material unbent.
+fn is_see_through(m: &Material) -> bool {
+    let alpha = !matches!(m.alpha, Alpha::Opaque);
+    alpha
+        || match &m.surface {
+            SurfaceModel::Finish(f) => (f.filter > 0.0 || f.transmit > 0.0) && f.ior.is_none(),
+            SurfaceModel::Principled(p) => p.transmission.factor > 0.0 && !p.thick,
+            SurfaceModel::Black
+            | SurfaceModel::Diffuse { .. }
+            | SurfaceModel::Specular { .. }
+            | SurfaceModel::Glass { .. }
+            | SurfaceModel::Glossy { .. }
+            | SurfaceModel::Translucent { .. }
+            | SurfaceModel::Mix { .. } => false, // the parts of a mix are materials themselves
+        }
+}
+
+/// Adds a place of the description to a diagnostic.
+fn at_place(d: Diagnostic, place: &Place) -> Diagnostic {
+    match place {
+        Place::None => d,
+        Place::Text(span) => d.at(*span, ""),
+        Place::Model(path) => d.in_place(path.clone()),
+    }
+}

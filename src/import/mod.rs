@@ -3,6 +3,4 @@
 
 pub mod framing;
 pub mod gltf;
-//! Models of other formats to the scene description.
-
 pub mod obj;

@@ -80,7 +80,11 @@ pub fn render(scene: &CompiledScene, settings: &Settings, observer: &dyn Observe
     let mut spp = 0;
     let stop = loop {
         let Some(end) = run.next_pass(spp) else {
-            break if spp >= settings.stop.spp { StopReason::Samples } else { StopReason::Time };
+            break if spp >= settings.stop.spp {
+                StopReason::Samples
+            } else {
+                StopReason::Time
+            };
         };
         run.pass(&mut tiles, spp, end);
         if run.stopped.load(Ordering::Relaxed) {
@@ -195,7 +199,14 @@ impl Run<'_> {
     }
 
     fn trace_tile(&self, tile: &mut Tile, to: u32) {
-        let Tile { x0, y0, width, film, stats, .. } = tile;
+        let Tile {
+            x0,
+            y0,
+            width,
+            film,
+            stats,
+            ..
+        } = tile;
         let (w, h) = (f64::from(self.settings.width), f64::from(self.settings.height));
         film.extend(to, |pixel, index, out| {
             let (x, y) = (*x0 + pixel as u32 % *width, *y0 + pixel as u32 / *width);
@@ -235,7 +246,12 @@ impl Run<'_> {
         {
             return Some(found);
         }
-        let total: f64 = tiles.par_iter().map(|t| self.tile_luminance(t)).collect::<Vec<f64>>().iter().sum();
+        let total: f64 = tiles
+            .par_iter()
+            .map(|t| self.tile_luminance(t))
+            .collect::<Vec<f64>>()
+            .iter()
+            .sum();
         let mean = total / (f64::from(self.settings.width) * f64::from(self.settings.height));
         let mut sums = ErrorSums::new(mean, tiles.len());
         let mut means = vec![[0.0; 3]; self.settings.nets as usize];
@@ -284,9 +300,17 @@ impl Run<'_> {
         let at_most = pixels * u64::from(stop.spp);
         let elapsed = self.begun.elapsed().as_secs_f64();
         let since_start = self.settings.started.elapsed().as_secs_f64();
-        let error = self.error.lock().unwrap_or_else(|e| e.into_inner()).map(|(e, at)| (e, at));
+        let error = self
+            .error
+            .lock()
+            .unwrap_or_else(|e| e.into_inner())
+            .map(|(e, at)| (e, at));
         let mut fraction = samples as f64 / at_most as f64;
-        let mut remaining = if samples > 0 { elapsed / samples as f64 * (at_most - samples) as f64 } else { f64::NAN };
+        let mut remaining = if samples > 0 {
+            elapsed / samples as f64 * (at_most - samples) as f64
+        } else {
+            f64::NAN
+        };
         if let Some(limit) = stop.seconds {
             fraction = fraction.max(since_start / limit);
             remaining = remaining.min(limit - since_start);

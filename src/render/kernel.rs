@@ -6,9 +6,9 @@
 
 use super::bsdf::Bsdf;
 use super::light::{HitOnLight, LightSample, mis_weight};
-use super::material::Material;
+use super::material::{Alpha, Shading};
 use super::medium::MediumStack;
-use super::ray::{PrimRef, Ray, ray_mask};
+use super::ray::{Hit, PrimRef, Ray, ray_mask};
 use super::report::Anomalies;
 use super::sampler::{Group, Repeated, Sampler};
 use super::scene::CompiledScene;
@@ -90,8 +90,16 @@ impl<'a> Kernel<'a> {
             nets: settings.nets,
             max_depth: settings.max_depth,
             direct: settings.direct,
-            sample_lights: if settings.direct == Direct::Bsdf { lights.has_delta() } else { !lights.is_empty() },
-            camera_media: if scene.traits.solids { media_around_camera(scene) } else { MediumStack::default() },
+            sample_lights: if settings.direct == Direct::Bsdf {
+                lights.has_delta()
+            } else {
+                !lights.is_empty()
+            },
+            camera_media: if scene.traits.solids {
+                media_around_camera(scene)
+            } else {
+                MediumStack::default()
+            },
             axis: scene.camera.axis(),
             aovs: a.depth || a.normal || a.albedo,
         }
@@ -120,7 +128,6 @@ impl<'a> Kernel<'a> {
 
     fn path(&self, sampler: &Sampler, stats: &mut PathStats, mut ray: Ray) -> PathSample {
         let scene = self.scene;
-        let camera = ray;
         let mut out = PathSample {
             radiance: Vec3::ZERO,
             first: FirstHit {
@@ -160,8 +167,14 @@ impl<'a> Kernel<'a> {
             }
             let wo = -ray.dir;
             let front = wo.dot(surface.ng) >= 0.0;
-            if material.has_alpha() {
-                let alpha = material.alpha(&scene.textures, attributes);
+            let outer_ior = if scene.traits.solids {
+                media.ior_around(surface.prim.object)
+            } else {
+                1.0
+            };
+            let shading = self.shading(attributes, outer_ior);
+            if material.alpha != Alpha::Opaque {
+                let alpha = material.alpha(&shading);
                 if alpha < 1.0 && sampler.repeated(bounce, Repeated::Coverage, passes) >= alpha {
                     if passes == MOST_PASSES {
                         stats.anomalies.stack_overflow += 1;
@@ -172,34 +185,26 @@ impl<'a> Kernel<'a> {
                     continue;
                 }
             }
-            if material.emits(front) {
-                let emitted = material.emission(&scene.textures, attributes);
+            if material.emits_front {
+                let emitted = material.emission(&shading, front);
                 out.radiance += throughput * emitted * self.hit_weight(&ray, &from, &surface, hit.t);
             }
             if bounce > self.max_depth && !self.aovs {
                 return out;
             }
 
-            let ns = self.shading_normal(material, attributes, &surface, wo);
-            let frame = Frame::from_normal(ns);
+            let frame = material.shading_frame(&shading, surface.ng, surface.ns, wo);
+            let ns = frame.n;
             let wo_local = frame.to_local(wo);
-            let outer_ior = if scene.traits.solids { media.ior_around(surface.prim.object) } else { 1.0 };
             let mut mixes = 0;
-            let bsdf = material.bsdf(
-                &scene.materials,
-                &scene.textures,
-                attributes,
-                &frame,
-                outer_ior,
-                &mut || {
-                    mixes += 1;
-                    sampler.repeated(bounce, Repeated::Mix, passes * 64 + mixes)
-                },
-            );
+            let bsdf = material.bsdf(&shading, &mut || {
+                mixes += 1;
+                sampler.repeated(bounce, Repeated::Mix, passes * 64 + mixes)
+            });
             if self.aovs && bounce == 1 && out.first.depth.is_infinite() {
                 let facing = if ns.dot(wo) < 0.0 { -ns } else { ns };
                 out.first = FirstHit {
-                    depth: (surface.p - camera.origin * 0.0).dot(self.axis),
+                    depth: surface.p.dot(self.axis),
                     normal: facing,
                     albedo: bsdf.albedo(wo_local),
                 };
@@ -221,7 +226,9 @@ impl<'a> Kernel<'a> {
             let toward = if wo_local.z < 0.0 { -ns } else { ns };
             if self.sample_lights && !delta_only {
                 let u = light.unwrap_or_else(|| sampler.get4(bounce, Group::Light));
-                let sampled = scene.lights.sample(surface.p, toward, two_sided, u[2], Vec2::new(u[0], u[1]));
+                let sampled = scene
+                    .lights
+                    .sample(surface.p, toward, two_sided, u[2], Vec2::new(u[0], u[1]));
                 if let Some(light) = sampled
                     && (light.delta || self.direct != Direct::Bsdf)
                 {
@@ -249,7 +256,7 @@ impl<'a> Kernel<'a> {
                 ray = go_on(&ray, &surface);
                 continue;
             }
-            if crosses && material.is_solid() {
+            if crosses && material.interior {
                 if front {
                     if !media.enter(surface.prim.object, material.ior, material.absorption) {
                         stats.anomalies.stack_overflow += 1;
@@ -290,15 +297,14 @@ impl<'a> Kernel<'a> {
         }
     }
 
-    /// The unit shading normal on the geometric normal's side; the geometric one where the viewer would see
-    /// the shading normal from behind.
-    fn shading_normal(&self, material: &Material, attributes: &Attributes, surface: &Surface, wo: Vec3) -> Vec3 {
-        let ns = if material.has_normal_map() {
-            material.shading_normal(&self.scene.textures, attributes, surface, wo)
-        } else {
-            surface.ns
-        };
-        if ns.dot(wo) * surface.ng.dot(wo) > 0.0 { ns } else { surface.ng }
+    fn shading<'s>(&'s self, attrs: &'s Attributes, outer_ior: f32) -> Shading<'s> {
+        Shading {
+            materials: &self.scene.materials,
+            textures: &self.scene.textures,
+            attrs,
+            outer_ior,
+            channel: None,
+        }
     }
 
     /// Radiance from infinity, weighted against light sampling.
@@ -328,7 +334,9 @@ impl<'a> Kernel<'a> {
                 ng: surface.ng,
                 distance: t,
             };
-            self.scene.lights.pdf(surface.light, from.p, from.n, from.two_sided, ray.dir, &hit)
+            self.scene
+                .lights
+                .pdf(surface.light, from.p, from.n, from.two_sided, ray.dir, &hit)
         })
     }
 
@@ -363,8 +371,17 @@ impl<'a> Kernel<'a> {
         if f == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let weight = if light.delta || self.direct == Direct::Light { 1.0 } else { mis_weight(light.pdf, bsdf_pdf) };
-        let unshadowed = f * light.radiance * (weight / light.pdf);
+        let weight = if light.delta || self.direct == Direct::Light {
+            1.0
+        } else {
+            mis_weight(light.pdf, bsdf_pdf)
+        };
+        let radiance = if light.textured {
+            self.textured_emission(light, surface.p)
+        } else {
+            light.radiance
+        };
+        let unshadowed = f * radiance * (weight / light.pdf);
         if unshadowed == Vec3::ZERO {
             return Vec3::ZERO;
         }
@@ -377,6 +394,20 @@ impl<'a> Kernel<'a> {
             mask: ray_mask::SHADOW,
         };
         unshadowed * self.visibility(light, ray, media, stats)
+    }
+
+    /// The radiance that the sampled point of a textured light emits towards `p`.
+    fn textured_emission(&self, light: &LightSample, p: Vec3) -> Vec3 {
+        let geometry = &self.scene.geometry;
+        let hit = Hit {
+            t: light.distance,
+            prim: light.to,
+            b: light.b,
+        };
+        let surface = geometry.surface(&Ray::new(p, light.wi), &hit);
+        let attributes = geometry.attributes(&hit, &surface);
+        let front = light.wi.dot(surface.ng) < 0.0;
+        self.scene.materials[surface.material as usize].emission(&self.shading(&attributes, 1.0), front)
     }
 
     /// The share of a light sample's radiance that arrives, per channel.
@@ -408,17 +439,18 @@ impl<'a> Kernel<'a> {
                 NO_ATTRIBUTES
             };
             let cos = ray.dir.dot(surface.ng);
-            let straight = if material.is_solid() && !through_glass {
+            let shading = self.shading(&attributes, media.ior_around(surface.prim.object));
+            let straight = if material.interior && !through_glass {
                 Vec3::ZERO
             } else {
-                material.straight_transmittance(&self.scene.materials, &self.scene.textures, &attributes, cos.abs())
+                material.straight_transmittance(&shading, cos.abs())
             };
-            let alpha = if material.has_alpha() { material.alpha(&self.scene.textures, &attributes) } else { 1.0 };
+            let alpha = material.alpha(&shading);
             left *= media.transmittance(hit.t) * (straight * alpha + Vec3::splat(1.0 - alpha));
             if left == Vec3::ZERO {
                 return left;
             }
-            if material.is_solid() && alpha > 0.0 {
+            if material.interior && alpha > 0.0 {
                 if cos < 0.0 {
                     media.enter(surface.prim.object, material.ior, material.absorption);
                 } else {
@@ -429,7 +461,10 @@ impl<'a> Kernel<'a> {
             if t_max <= 0.0 {
                 return left;
             }
-            ray = Ray { t_max, ..go_on(&ray, &surface) };
+            ray = Ray {
+                t_max,
+                ..go_on(&ray, &surface)
+            };
         }
         stats.anomalies.stack_overflow += 1;
         Vec3::ZERO
@@ -463,7 +498,7 @@ fn media_around_camera(scene: &CompiledScene) -> MediumStack {
         let Some(hit) = scene.geometry.closest(&ray) else { break };
         let surface = scene.geometry.surface(&ray, &hit);
         let material = &scene.materials[surface.material as usize];
-        if material.is_solid() {
+        if material.interior {
             let object = surface.prim.object;
             if dir.dot(surface.ng) < 0.0 {
                 open.push(object);

@@ -4,16 +4,22 @@
 //! transforms and analytic shapes stay f64. `compile` fills the data, `driver` runs passes over tiles,
 //! `kernel` traces one path, `film` sums.
 
+pub mod accel;
 pub mod bsdf;
 pub mod camera;
+pub mod driver;
 pub mod estimate;
 pub mod film;
+pub mod geometry;
+pub mod kernel;
 pub mod light;
 pub mod material;
 pub mod medium;
 pub mod ray;
 pub mod report;
 pub mod sampler;
+pub mod scene;
 pub mod settings;
+pub mod shape;
 pub mod surface;
 pub mod texture;

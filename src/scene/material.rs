@@ -360,8 +360,12 @@ impl Material {
             SurfaceModel::Finish(finish) => all(&[&finish.color], &[]),
             SurfaceModel::Mix { weight, .. } => all(&[], &[weight]),
             SurfaceModel::Diffuse { color, sigma: s }
-            | SurfaceModel::Glass { color, roughness: s, .. }
-            | SurfaceModel::Glossy { color, roughness: s, .. }
+            | SurfaceModel::Glass {
+                color, roughness: s, ..
+            }
+            | SurfaceModel::Glossy {
+                color, roughness: s, ..
+            }
             | SurfaceModel::Translucent { color, transmit: s } => all(&[color], &[s]),
             SurfaceModel::Principled(p) => all(
                 &[

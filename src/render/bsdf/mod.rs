@@ -144,6 +144,24 @@ impl Bsdf {
         self.eval_pdf(wo, wi).1
     }
 
+    /// Whether [`Bsdf::eval`] may be positive for directions on opposite sides of the surface.
+    pub fn transmits(&self) -> bool {
+        match self {
+            Bsdf::Translucent(_) | Bsdf::RoughGlass(_) | Bsdf::RoughThinGlass(_) => true,
+            Bsdf::Glossy(b) => b.back != Vec3::ZERO,
+            Bsdf::SmoothCoat(b) => b.back != Vec3::ZERO,
+            Bsdf::Finish(b) => b.diffuse_back != Vec3::ZERO,
+            Bsdf::Principled(b) => b.base.bsdf().transmits(),
+            Bsdf::Black
+            | Bsdf::Diffuse(_)
+            | Bsdf::OrenNayar(_)
+            | Bsdf::Specular(_)
+            | Bsdf::Glass(_)
+            | Bsdf::ThinGlass(_)
+            | Bsdf::Metal(_) => false,
+        }
+    }
+
     /// [`Bsdf::eval`] and [`Bsdf::pdf`] at once.
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         match self {

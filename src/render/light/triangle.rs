@@ -14,6 +14,8 @@ pub struct TriangleLight {
     pub e1: Vec3,
     /// From the first to the third corner.
     pub e2: Vec3,
+    /// Whether the front is the side of `e2 × e1` instead (mirrored placements keep their corners in order).
+    pub flipped: bool,
     /// Emitted radiance, an average if `textured`.
     pub radiance: Vec3,
     /// Whether the back emits too.
@@ -28,7 +30,8 @@ impl TriangleLight {
     /// e1 × e2: towards the front, twice as long as the area. In f64, where the products of f32 neither cancel nor
     /// under- or overflow.
     pub(crate) fn normal_twice_area(&self) -> DVec3 {
-        self.e1.as_dvec3().cross(self.e2.as_dvec3())
+        let n = self.e1.as_dvec3().cross(self.e2.as_dvec3());
+        if self.flipped { -n } else { n }
     }
 
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {

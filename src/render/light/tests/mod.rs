@@ -105,6 +105,7 @@ fn triangle(p0: Vec3, p1: Vec3, p2: Vec3, two_sided: bool) -> Light {
         p0,
         e1: p1 - p0,
         e2: p2 - p0,
+        flipped: false,
         radiance: Vec3::ONE,
         two_sided,
         textured: false,

@@ -1,0 +1,107 @@
+//! One mesh with its tree, shared by all objects that place it.
+
+use super::bounds::Bounds;
+use super::build::{build_tree, power_of_two_below};
+use super::node::{LEAF, Node};
+use super::traverse::{BoxRay, Leaf, traverse};
+use super::triangle::{LANES, ShearedRay, TriangleBlock};
+use crate::render::shape::candidates::Candidates;
+use glam::Vec3;
+
+/// Triangles ready to be hit, in a unit in which the largest coordinate is between 1 and 2, so that
+/// products of three lengths stay within f32 whatever the scene's own unit.
+#[derive(Clone, Debug, Default)]
+pub struct MeshTree {
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+    stack_need: usize,
+    /// Size of the tree's unit in the mesh's own; a power of two.
+    pub unit: f64,
+}
+
+impl MeshTree {
+    /// Builds the tree. Triangles with corners that do not exist or are not finite are left out.
+    pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> MeshTree {
+        let finite = positions.iter().filter(|p| p.is_finite());
+        let largest = finite.fold(0.0f32, |m, p| m.max(p.abs().max_element()));
+        let unit = if largest > 0.0 {
+            power_of_two_below(f64::from(largest))
+        } else {
+            1.0
+        };
+        let corner = |i: u32| {
+            let p = positions.get(i as usize).filter(|p| p.is_finite())?;
+            Some((p.as_dvec3() / unit).as_vec3())
+        };
+        let mut items: Vec<(u32, [Vec3; 3])> = Vec::with_capacity(triangles.len());
+        for (id, t) in triangles.iter().enumerate() {
+            if let (Some(a), Some(b), Some(c)) = (corner(t[0]), corner(t[1]), corner(t[2])) {
+                items.push((id as u32, [a, b, c]));
+            }
+        }
+        let bounds: Vec<Bounds> = items.iter().map(|(_, corners)| Bounds::around(corners)).collect();
+        let tree = build_tree(&bounds, LANES as u32);
+        let pack = |leaf: &Vec<u32>| {
+            let few: Vec<_> = leaf.iter().map(|&i| items[i as usize]).collect();
+            TriangleBlock::new(&few)
+        };
+        MeshTree {
+            blocks: tree.leaves.iter().map(pack).collect(),
+            nodes: tree.nodes,
+            stack_need: tree.stack_need,
+            unit,
+        }
+    }
+
+    /// The boxes of the root's children, which together hold the mesh more tightly than one box.
+    pub fn coarse_bounds(&self) -> impl Iterator<Item = Bounds> + '_ {
+        let root = self.nodes.first();
+        root.into_iter()
+            .flat_map(|n| (0..super::node::WIDTH).map(|i| n.bounds(i)))
+            .filter(|b| !b.is_empty())
+    }
+
+    /// Nodes of the tree.
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Offers the triangles that a ray in the tree's unit meets; with `any` it ends at the first.
+    #[inline(always)]
+    pub fn intersect(&self, origin: Vec3, dir: Vec3, any: bool, found: &mut Candidates) -> bool {
+        let mut leaf = Triangles {
+            blocks: &self.blocks,
+            ray: ShearedRay::new(origin, dir),
+            any,
+        };
+        traverse(
+            &self.nodes,
+            self.stack_need,
+            &BoxRay::new(origin, dir, 2.0),
+            found,
+            &mut leaf,
+        )
+    }
+
+    /// Tests every triangle.
+    #[cfg(test)]
+    pub fn intersect_by_force(&self, origin: Vec3, dir: Vec3, found: &mut Candidates) {
+        let ray = ShearedRay::new(origin, dir);
+        self.blocks.iter().for_each(|block| ray.intersect(block, found));
+    }
+}
+
+struct Triangles<'a> {
+    blocks: &'a [TriangleBlock],
+    ray: ShearedRay,
+    any: bool,
+}
+
+impl Leaf for Triangles<'_> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, found: &mut Candidates) -> bool {
+        debug_assert!(leaf & LEAF == 0);
+        self.ray.intersect(&self.blocks[leaf as usize], found);
+        self.any && found.found()
+    }
+}

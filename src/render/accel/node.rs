@@ -1,0 +1,63 @@
+//! The 8-wide tree.
+
+use super::bounds::Bounds;
+
+/// Children of a node.
+pub const WIDTH: usize = 8;
+
+/// Marks a child reference as a leaf; the rest of the number is the leaf's.
+pub const LEAF: u32 = 1 << 31;
+
+/// An inner node: the boxes of its children by plane, so that one plane of all children is one vector.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Node {
+    /// Planes by `2·axis + side`, side 0 the lower one; empty children have no points.
+    pub planes: [[f32; WIDTH]; 6],
+    /// Node index, or leaf with [`LEAF`] set.
+    pub child: [u32; WIDTH],
+}
+
+impl Node {
+    /// A node without children.
+    pub const EMPTY: Node = Node {
+        planes: [
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
+        ],
+        child: [u32::MAX; WIDTH],
+    };
+
+    /// Fills one slot.
+    pub fn set(&mut self, slot: usize, bounds: Bounds, child: u32) {
+        for axis in 0..3 {
+            self.planes[2 * axis][slot] = bounds.min[axis];
+            self.planes[2 * axis + 1][slot] = bounds.max[axis];
+        }
+        self.child[slot] = child;
+    }
+
+    /// The box of a slot.
+    pub fn bounds(&self, slot: usize) -> Bounds {
+        let plane = |i: usize| self.planes[i][slot];
+        Bounds {
+            min: glam::Vec3::new(plane(0), plane(2), plane(4)),
+            max: glam::Vec3::new(plane(1), plane(3), plane(5)),
+        }
+    }
+}
+
+/// A tree over numbered primitives.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    /// Nodes, the root first, parents before children; none without primitives.
+    pub nodes: Vec<Node>,
+    /// For each leaf its primitives; leaves are numbered in the order of traversal.
+    pub leaves: Vec<Vec<u32>>,
+    /// Entries a traversal may have waiting at most.
+    pub stack_need: usize,
+}

@@ -1,0 +1,295 @@
+//! The two-level structure: a tree over the objects, a tree in each mesh, and beside them the planes and few spheres.
+
+use super::bounds::Bounds;
+use super::build::build_tree;
+use super::mesh::MeshTree;
+use super::node::{LEAF, Node};
+use super::spheres::{FEW, SphereList};
+use super::traverse::{BoxRay, Leaf, traverse};
+use crate::render::ray::{Hit, Ray};
+use crate::render::shape::candidates::Candidates;
+use crate::render::shape::{Placed, Shape, plane, sphere};
+use glam::{DAffine3, DVec3};
+
+/// What an object is, as rays meet it.
+#[derive(Clone, Debug)]
+enum Target {
+    Sphere {
+        center: DVec3,
+        radius_squared: f64,
+    },
+    Plane {
+        normal: DVec3,
+        distance: f64,
+    },
+    Placed(Box<Placed>),
+    Mesh {
+        mesh: u32,
+        /// From the world to the unit of the mesh's tree.
+        tree_from_world: Box<DAffine3>,
+    },
+}
+
+/// Which instructions the walk is compiled for. Both give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instructions {
+    /// What every machine of the target has.
+    Baseline,
+    /// 256-bit vectors.
+    Avx2,
+}
+
+impl Instructions {
+    /// The fastest this machine has.
+    pub fn detect() -> Instructions {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("bmi1") {
+            return Instructions::Avx2;
+        }
+        Instructions::Baseline
+    }
+}
+
+/// Everything that can be hit.
+#[derive(Clone, Debug)]
+pub struct SceneTree {
+    targets: Vec<Target>,
+    visibility: Vec<u8>,
+    meshes: Vec<MeshTree>,
+    planes: Vec<u32>,
+    spheres: SphereList,
+    nodes: Vec<Node>,
+    stack_need: usize,
+    /// World box of everything but the planes.
+    bounds: Bounds,
+    instructions: Instructions,
+}
+
+impl SceneTree {
+    /// Builds the structure over objects given as shape and visibility. Meshes out of range count as empty.
+    pub fn build(objects: &[(&Shape, u8)], meshes: Vec<MeshTree>) -> SceneTree {
+        let mut tree = SceneTree {
+            targets: Vec::with_capacity(objects.len()),
+            visibility: objects.iter().map(|o| o.1).collect(),
+            meshes,
+            planes: Vec::new(),
+            spheres: SphereList::default(),
+            nodes: Vec::new(),
+            stack_need: 0,
+            bounds: Bounds::EMPTY,
+            instructions: Instructions::detect(),
+        };
+        let spheres = objects.iter().filter(|o| matches!(o.0, Shape::Sphere { .. })).count();
+        let mut bounds = Vec::new();
+        let mut bounded = Vec::new();
+        for (i, (shape, visibility)) in objects.iter().enumerate() {
+            tree.targets.push(tree.target(shape));
+            if matches!(shape, Shape::Plane { .. }) {
+                tree.planes.push(i as u32);
+                continue;
+            }
+            let b = tree.bounds_of(shape);
+            if b.is_empty() {
+                continue;
+            }
+            tree.bounds = tree.bounds.union(b);
+            match **shape {
+                Shape::Sphere { center, radius } if spheres <= FEW => {
+                    tree.spheres.push(i as u32, center, radius, *visibility);
+                }
+                _ => {
+                    // The rounding of boxes and rays at this distance from the camera.
+                    bounds.push(b.padded(4.0 * crate::math::robust::UNIT_ROUNDOFF));
+                    bounded.push(i as u32);
+                }
+            }
+        }
+        let built = build_tree(&bounds, 1);
+        tree.stack_need = built.stack_need;
+        tree.nodes = built.nodes;
+        // One object a leaf: name it in the node itself.
+        for child in tree.nodes.iter_mut().flat_map(|n| n.child.iter_mut()) {
+            if *child != u32::MAX && *child & LEAF != 0 {
+                let item = built.leaves[(*child & !LEAF) as usize][0];
+                *child = LEAF | bounded[item as usize];
+            }
+        }
+        tree
+    }
+
+    fn target(&self, shape: &Shape) -> Target {
+        match shape {
+            Shape::Sphere { center, radius } => Target::Sphere {
+                center: *center,
+                radius_squared: radius * radius,
+            },
+            Shape::Plane { normal, distance } => Target::Plane {
+                normal: *normal,
+                distance: *distance,
+            },
+            Shape::Placed(placed) => Target::Placed(placed.clone()),
+            Shape::Mesh { mesh, placement } => {
+                let unit = self.meshes.get(*mesh as usize).map_or(1.0, |m| m.unit);
+                let map = placement.mesh_from_world;
+                Target::Mesh {
+                    mesh: *mesh,
+                    tree_from_world: Box::new(DAffine3 {
+                        matrix3: map.matrix3 * (1.0 / unit),
+                        translation: map.translation / unit,
+                    }),
+                }
+            }
+        }
+    }
+
+    fn bounds_of(&self, shape: &Shape) -> Bounds {
+        match shape {
+            Shape::Sphere { center, radius } => {
+                let r = DVec3::splat(*radius);
+                Bounds::from_f64(*center - r, *center + r, (center.abs() + r) * (4.0 * f64::EPSILON))
+            }
+            Shape::Plane { .. } => Bounds::EMPTY,
+            Shape::Placed(p) => Bounds::transformed(&p.world_from_object, p.kind.center(), p.kind.half_extent()),
+            Shape::Mesh { mesh, placement } => {
+                let Some(mesh) = self.meshes.get(*mesh as usize) else {
+                    return Bounds::EMPTY;
+                };
+                let parts = mesh.coarse_bounds().map(|b| {
+                    let (min, max) = (b.min.as_dvec3() * mesh.unit, b.max.as_dvec3() * mesh.unit);
+                    Bounds::transformed(&placement.world_from_mesh, (min + max) * 0.5, (max - min) * 0.5)
+                });
+                parts.fold(Bounds::EMPTY, Bounds::union)
+            }
+        }
+    }
+
+    /// World box of everything but the planes; `None` if there is nothing.
+    pub fn bounds(&self) -> Option<Bounds> {
+        (!self.bounds.is_empty()).then_some(self.bounds)
+    }
+
+    /// The tree of a mesh.
+    pub fn mesh(&self, mesh: u32) -> Option<&MeshTree> {
+        self.meshes.get(mesh as usize)
+    }
+
+    /// Chooses the instructions by hand; those the machine lacks are refused and leave the baseline.
+    pub fn use_instructions(&mut self, wanted: Instructions) {
+        self.instructions = if wanted == Instructions::detect() {
+            wanted
+        } else {
+            Instructions::Baseline
+        };
+    }
+
+    /// The nearest hit.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.dispatch::<false>(ray).hit()
+    }
+
+    /// Whether anything blocks the ray.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.dispatch::<true>(ray).found()
+    }
+
+    #[inline(always)]
+    fn dispatch<const ANY: bool>(&self, ray: &Ray) -> Candidates {
+        #[cfg(target_arch = "x86_64")]
+        if self.instructions == Instructions::Avx2 {
+            // SAFETY: `instructions` is Avx2 only where detection found it.
+            #[allow(unsafe_code)]
+            return unsafe { self.trace_avx2::<ANY>(ray) };
+        }
+        self.trace::<ANY>(ray)
+    }
+
+    /// The same code for wider vectors. FMA stays off: a fused edge function would tell neighbours apart.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,bmi1")]
+    fn trace_avx2<const ANY: bool>(&self, ray: &Ray) -> Candidates {
+        self.trace::<ANY>(ray)
+    }
+
+    #[inline(always)]
+    fn trace<const ANY: bool>(&self, ray: &Ray) -> Candidates {
+        let mut found = Candidates::new(ray);
+        if !self.spheres.is_empty() {
+            self.spheres.intersect(ray, &mut found);
+            if ANY && found.found() {
+                return found;
+            }
+        }
+        for &object in &self.planes {
+            if self.visibility[object as usize] & ray.mask != 0 {
+                self.meet::<ANY>(object, ray, &mut found);
+                if ANY && found.found() {
+                    return found;
+                }
+            }
+        }
+        if !self.nodes.is_empty() {
+            let mut leaf = Objects::<ANY> { scene: self, ray };
+            // The boxes hold their own rounding already.
+            let boxes = BoxRay::new(ray.origin, ray.dir, 0.0);
+            traverse(&self.nodes, self.stack_need, &boxes, &mut found, &mut leaf);
+        }
+        found
+    }
+
+    /// The nearest hit without any box.
+    #[cfg(test)]
+    pub fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
+        let mut found = Candidates::new(ray);
+        for object in 0..self.targets.len() as u32 {
+            if self.visibility[object as usize] & ray.mask == 0 {
+                continue;
+            }
+            if let Target::Mesh { mesh, tree_from_world } = &self.targets[object as usize] {
+                found.enter(object, ray);
+                let origin = tree_from_world.transform_point3(ray.origin.as_dvec3()).as_vec3();
+                let dir = tree_from_world.transform_vector3(ray.dir.as_dvec3()).as_vec3();
+                self.meshes[*mesh as usize].intersect_by_force(origin, dir, &mut found);
+            } else {
+                self.meet::<false>(object, ray, &mut found);
+            }
+        }
+        found.hit()
+    }
+
+    #[inline(always)]
+    fn meet<const ANY: bool>(&self, object: u32, ray: &Ray, found: &mut Candidates) {
+        found.enter(object, ray);
+        let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
+        match &self.targets[object as usize] {
+            Target::Sphere { center, radius_squared } => {
+                let dd = d.length_squared();
+                let (f, d) = ((o - *center).to_array(), d.to_array());
+                let t = sphere::distance(f, d, dd, 1.0 / dd, *radius_squared, found.from == 0);
+                found.offer(t, 0);
+            }
+            Target::Plane { normal, distance } => plane::intersect(*normal, *distance, o, d, found),
+            Target::Placed(placed) => placed.intersect(o, d, found),
+            Target::Mesh { mesh, tree_from_world } => {
+                let origin = tree_from_world.transform_point3(o).as_vec3();
+                let dir = tree_from_world.transform_vector3(d).as_vec3();
+                self.meshes[*mesh as usize].intersect(origin, dir, ANY, found);
+            }
+        }
+    }
+}
+
+struct Objects<'a, const ANY: bool> {
+    scene: &'a SceneTree,
+    ray: &'a Ray,
+}
+
+impl<const ANY: bool> Leaf for Objects<'_, ANY> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, found: &mut Candidates) -> bool {
+        if self.scene.visibility[leaf as usize] & self.ray.mask == 0 {
+            return false;
+        }
+        self.scene.meet::<ANY>(leaf, self.ray, found);
+        ANY && found.found()
+    }
+}

@@ -1,0 +1,171 @@
+//! All geometry of a scene: what a ray hits, and what the surface is like there.
+//!
+//! `compile` fills [`GeomObject`]s and [`MeshData`]; the kernel asks [`Geometry::closest`] and [`Geometry::occluded`] and,
+//! for what it hit, [`Geometry::surface`] and (textured materials only) [`Geometry::attributes`].
+
+mod attributes;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use super::accel::mesh::MeshTree;
+use super::accel::scene::{Instructions, SceneTree};
+use super::ray::{Hit, PrimRef, Ray};
+use super::shape::Shape;
+use super::surface::Surface;
+use glam::{DVec3, Vec2, Vec3, Vec4};
+
+/// Which primitives of an object are lights.
+#[derive(Clone, Debug, Default)]
+pub enum LightMap {
+    /// None is.
+    #[default]
+    None,
+    /// Primitive i is light `first + i`.
+    First(u32),
+    /// By primitive; [`Surface::NOT_A_LIGHT`] where it emits nothing.
+    Table(Vec<u32>),
+}
+
+impl LightMap {
+    /// The light that a primitive is, or [`Surface::NOT_A_LIGHT`].
+    pub fn light(&self, prim: u32) -> u32 {
+        match self {
+            LightMap::None => Surface::NOT_A_LIGHT,
+            LightMap::First(first) => first.saturating_add(prim),
+            LightMap::Table(lights) => lights.get(prim as usize).copied().unwrap_or(Surface::NOT_A_LIGHT),
+        }
+    }
+}
+
+/// An object of the scene.
+#[derive(Clone, Debug)]
+pub struct GeomObject {
+    /// What it is and where.
+    pub shape: Shape,
+    /// Materials: by slot for meshes, by face for solids. The last one also serves all numbers beyond it.
+    pub materials: Vec<u32>,
+    /// Which rays see it: bits of [`super::ray::ray_mask`].
+    pub visibility: u8,
+    /// Its lights.
+    pub lights: LightMap,
+}
+
+impl GeomObject {
+    /// An object of one material that everything sees and that emits nothing.
+    pub fn new(shape: Shape, material: u32) -> GeomObject {
+        GeomObject {
+            shape,
+            materials: vec![material],
+            visibility: super::ray::ray_mask::ALL,
+            lights: LightMap::None,
+        }
+    }
+
+    /// The material of a slot or face.
+    pub fn material(&self, slot: u32) -> u32 {
+        let last = self.materials.last().copied().unwrap_or(0);
+        self.materials.get(slot as usize).copied().unwrap_or(last)
+    }
+}
+
+/// A mesh: positions relative to its own centre, attributes empty or one per vertex.
+#[derive(Clone, Debug, Default)]
+pub struct MeshData {
+    /// Corners.
+    pub positions: Vec<Vec3>,
+    /// Shading normals, or empty.
+    pub normals: Vec<Vec3>,
+    /// Tangents, w the sign of the bitangent w·(n × t), or empty.
+    pub tangents: Vec<Vec4>,
+    /// Texture coordinate sets; each empty or one per vertex.
+    pub uvs: Vec<Vec<Vec2>>,
+    /// Linear RGBA vertex colours, or empty.
+    pub colors: Vec<Vec4>,
+    /// Corner indices.
+    pub triangles: Vec<[u32; 3]>,
+    /// Material slot of each triangle; empty for slot 0 everywhere.
+    pub face_materials: Vec<u32>,
+    /// Whether the geometric normal is −(v1 − v0) × (v2 − v0).
+    pub flip_winding: bool,
+}
+
+/// The compiled geometry.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    objects: Vec<GeomObject>,
+    meshes: Vec<MeshData>,
+    tree: SceneTree,
+}
+
+impl Geometry {
+    /// Builds all trees. Meshes are built side by side; an object whose mesh does not exist is never hit.
+    pub fn build(objects: Vec<GeomObject>, meshes: Vec<MeshData>) -> Geometry {
+        use rayon::prelude::*;
+        let trees: Vec<MeshTree> = meshes
+            .par_iter()
+            .map(|m| MeshTree::build(&m.positions, &m.triangles))
+            .collect();
+        let shapes: Vec<_> = objects.iter().map(|o| (&o.shape, o.visibility)).collect();
+        let tree = SceneTree::build(&shapes, trees);
+        Geometry { objects, meshes, tree }
+    }
+
+    /// The nearest hit with 0 < t < `t_max`, if any.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.tree.closest(ray)
+    }
+
+    /// Whether anything lies on the ray with 0 < t < `t_max`.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.tree.occluded(ray)
+    }
+
+    /// The objects, as given.
+    pub fn objects(&self) -> &[GeomObject] {
+        &self.objects
+    }
+
+    /// The meshes, as given.
+    pub fn meshes(&self) -> &[MeshData] {
+        &self.meshes
+    }
+
+    /// World box of everything bounded, rounded outward; `None` if there is nothing (planes are unbounded).
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        self.tree.bounds().map(|b| (b.min, b.max))
+    }
+
+    /// World corners of a mesh triangle; `None` for everything else.
+    pub fn triangle(&self, prim: PrimRef) -> Option<[DVec3; 3]> {
+        let Shape::Mesh { mesh, placement } = &self.objects.get(prim.object as usize)?.shape else {
+            return None;
+        };
+        let corners = self.meshes.get(*mesh as usize)?.corners(prim.prim)?;
+        Some(corners.map(|p| placement.world_from_mesh.transform_point3(p.as_dvec3())))
+    }
+
+    /// Chooses the instructions of the walk by hand, to measure or to compare; all give the same bits.
+    pub fn use_instructions(&mut self, wanted: Instructions) {
+        self.tree.use_instructions(wanted);
+    }
+}
+
+impl MeshData {
+    /// The corners of a triangle, if it exists.
+    pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        self.by_corner(&self.positions, triangle)
+    }
+
+    /// The values of a vertex attribute at a triangle's corners; `None` without the attribute.
+    fn by_corner<T: Copy>(&self, values: &[T], triangle: u32) -> Option<[T; 3]> {
+        let [a, b, c] = *self.triangles.get(triangle as usize)?;
+        Some([
+            *values.get(a as usize)?,
+            *values.get(b as usize)?,
+            *values.get(c as usize)?,
+        ])
+    }
+}

@@ -1,0 +1,132 @@
+//! From a hit to a point on a surface, with the bound that keeps the next ray from hitting it again.
+
+use super::{GeomObject, Geometry, MeshData};
+use crate::math::robust::{UNIT_ROUNDOFF, gamma, try_normalize_f64};
+use crate::render::ray::{Hit, Ray};
+use crate::render::shape::placed::{abs, error_after_rounding, unit_normal};
+use crate::render::shape::{MeshPlacement, Shape};
+use crate::render::surface::Surface;
+use glam::{DVec3, Vec2, Vec3};
+
+impl Geometry {
+    /// The surface where a ray hit. `hit` must come from this geometry and this ray.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let object = &self.objects[hit.prim.object as usize];
+        let along = || ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(hit.t);
+        match &object.shape {
+            Shape::Sphere { center, radius } => {
+                let n = try_normalize_f64(along() - *center).unwrap_or(DVec3::Y);
+                let p = *center + n * *radius;
+                smooth(object, hit, p, (center.abs() + *radius) * F64_MARGIN, n)
+            }
+            Shape::Plane { normal, distance } => {
+                let p = along();
+                let p = p - *normal * (normal.dot(p) - distance);
+                smooth(object, hit, p, (p.abs() + distance.abs()) * F64_MARGIN, *normal)
+            }
+            Shape::Placed(placed) => {
+                let (p, p_error, n) = placed.surface(hit.prim.prim, along());
+                let ng = n.as_vec3();
+                of_object(object, hit, hit.prim.prim, Point { p, p_error, ng, ns: ng })
+            }
+            Shape::Mesh { mesh, placement } => {
+                let mesh = &self.meshes[*mesh as usize];
+                let point = on_triangle(mesh, placement, hit).unwrap_or_else(|| Point::unknown(along(), ray));
+                let slot = mesh.face_materials.get(hit.prim.prim as usize).copied().unwrap_or(0);
+                of_object(object, hit, slot, point)
+            }
+        }
+    }
+}
+
+/// Relative error of a few dozen f64 operations; far below the rounding of a point to f32, except for points near the
+/// camera on shapes that are huge or far: there it is what counts.
+const F64_MARGIN: f64 = 32.0 * f64::EPSILON;
+
+struct Point {
+    p: Vec3,
+    p_error: Vec3,
+    ng: Vec3,
+    ns: Vec3,
+}
+
+impl Point {
+    /// For a triangle that does not exist, which no ray hits.
+    fn unknown(p: DVec3, ray: &Ray) -> Point {
+        let n = (-ray.dir).try_normalize().unwrap_or(Vec3::Y);
+        Point {
+            p: p.as_vec3(),
+            p_error: Vec3::ZERO,
+            ng: n,
+            ns: n,
+        }
+    }
+}
+
+fn of_object(object: &GeomObject, hit: &Hit, slot: u32, point: Point) -> Surface {
+    Surface {
+        p: point.p,
+        p_error: point.p_error,
+        ng: point.ng,
+        ns: point.ns,
+        prim: hit.prim,
+        material: object.material(slot),
+        light: object.lights.light(hit.prim.prim),
+    }
+}
+
+fn smooth(object: &GeomObject, hit: &Hit, p: DVec3, error: DVec3, n: DVec3) -> Surface {
+    let rounded = p.as_vec3();
+    let ng = n.as_vec3();
+    let p_error = error_after_rounding(rounded, error);
+    of_object(
+        object,
+        hit,
+        0,
+        Point {
+            p: rounded,
+            p_error,
+            ng,
+            ns: ng,
+        },
+    )
+}
+
+/// Barycentric weights of the three corners.
+pub(super) fn weights(b: Vec2) -> [f64; 3] {
+    let (b1, b2) = (f64::from(b.x), f64::from(b.y));
+    [1.0 - b1 - b2, b1, b2]
+}
+
+/// The point from barycentric coordinates (never o + t·d, which is off by the distance's rounding), and both normals.
+fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, hit: &Hit) -> Option<Point> {
+    let corners = mesh.corners(hit.prim.prim)?.map(|v| v.as_dvec3());
+    let b = weights(hit.b);
+    let [v0, v1, v2] = corners;
+    let local = v0 * b[0] + v1 * b[1] + v2 * b[2];
+    let world = placement.world_from_mesh.transform_point3(local);
+
+    // The new ray is rounded to the mesh's space, and the tests of the neighbouring triangles round the corners as seen
+    // from its start: both move with the corners, weighted as the point is.
+    let spread: DVec3 = (0..3).map(|i| corners[i].abs() * b[i].abs()).sum();
+    let seen: f64 = (0..3)
+        .map(|i| (corners[i] - local).abs().max_element() * b[i].abs())
+        .sum();
+    let local_error = spread * f64::from(gamma(7)) + DVec3::splat(seen * 4.0 * f64::from(UNIT_ROUNDOFF));
+    let forward = abs(placement.world_from_mesh.matrix3);
+    let rounding = (forward * local.abs() + placement.world_from_mesh.translation.abs()) * F64_MARGIN;
+    let p = world.as_vec3();
+    let p_error = error_after_rounding(p, forward * local_error + rounding);
+
+    let to_world = |n: DVec3| unit_normal(&placement.mesh_from_world, n);
+    let cross = (v1 - v0).cross(v2 - v0);
+    let ng = to_world(if mesh.flip_winding { -cross } else { cross }).as_vec3();
+    let ns = mesh.by_corner(&mesh.normals, hit.prim.prim).and_then(|n| {
+        let mean = n[0].as_dvec3() * b[0] + n[1].as_dvec3() * b[1] + n[2].as_dvec3() * b[2];
+        try_normalize_f64(placement.mesh_from_world.matrix3.transpose() * mean)
+    });
+    // Opposite or missing normals cancel or do not exist: the face itself decides.
+    let ns = ns.map_or(ng, |n| n.as_vec3());
+    let ns = if ns.dot(ng) < 0.0 { -ns } else { ns };
+    Some(Point { p, p_error, ng, ns })
+}

@@ -1,0 +1,165 @@
+//! Trees, instruction sets and brute force give the same bits.
+
+use super::super::{GeomObject, Geometry, MeshData};
+use super::support::*;
+use crate::math::stats::Pcg;
+use crate::render::accel::scene::Instructions;
+use crate::render::ray::{PrimRef, Ray};
+use crate::render::shape::Shape;
+use glam::{DAffine3, DVec3, Vec3};
+
+/// Oracle: every primitive tested, no boxes.
+fn agrees_with_brute_force(geometry: &mut Geometry, seed: u64, rays: usize, reach: f64) {
+    let mut rng = Pcg::new(seed);
+    let mut hits = 0;
+    for i in 0..rays {
+        let mut ray = random_ray(&mut rng, reach);
+        if i % 3 == 0 {
+            ray.t_max = rng.next_f32() * 2.0;
+        }
+        if i % 4 == 0 {
+            ray.dir[i / 4 % 3] = 0.0;
+        }
+        let want = geometry.tree.closest_by_force(&ray);
+        for instructions in [Instructions::Baseline, Instructions::detect()] {
+            geometry.use_instructions(instructions);
+            assert_eq!(geometry.closest(&ray), want, "{instructions:?}, ray {i}: {ray:?}");
+            assert_eq!(
+                geometry.occluded(&ray),
+                want.is_some(),
+                "{instructions:?}, ray {i}: {ray:?}"
+            );
+        }
+        hits += usize::from(want.is_some());
+        // Go on from the hit, so that rays that start on surfaces and ends that do not block are met too.
+        if let Some(hit) = want {
+            let surface = geometry.surface(&ray, &hit);
+            let w = direction(&mut rng);
+            let mut next = Ray::new(
+                crate::math::robust::offset_origin(surface.p, surface.p_error, surface.ng, w),
+                w,
+            );
+            next.from = hit.prim;
+            next.to = PrimRef {
+                object: rng.next_u32() % 16,
+                prim: rng.next_u32() % 4,
+            };
+            assert_eq!(
+                geometry.closest(&next),
+                geometry.tree.closest_by_force(&next),
+                "{next:?}"
+            );
+        }
+    }
+    assert!(hits > rays / 20, "only {hits} of {rays} rays hit anything");
+}
+
+#[test]
+fn trees_agree_with_brute_force_on_meshes() {
+    let mut rng = Pcg::new(1);
+    for (count, size) in [(1, 1.0), (5, 1.0), (40, 0.5), (3000, 0.1)] {
+        let map = random_map(&mut rng, 1.0, 1.0);
+        let mut geometry = single(soup(&mut rng, count, size), map);
+        let rays = if count == 3000 { 4000 } else { 2000 };
+        let inside = map.inverse();
+        let reach = 1.0 / inside.matrix3.determinant().abs().cbrt();
+        if count > 5 {
+            agrees_with_brute_force(&mut geometry, 2 + count as u64, rays, reach);
+        }
+    }
+}
+
+#[test]
+fn trees_agree_with_brute_force_on_mixed_scenes() {
+    for (seed, objects) in [(3, 12), (4, 60), (5, 300)] {
+        agrees_with_brute_force(&mut mixed(seed, objects), seed + 100, 4000, 4.0);
+    }
+}
+
+#[test]
+fn an_empty_geometry_is_never_hit() {
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    let nothing = Geometry::build(Vec::new(), Vec::new());
+    let empty_mesh = single(MeshData::default(), DAffine3::IDENTITY);
+    let no_mesh = Geometry::build(vec![GeomObject::new(Shape::mesh(7, DAffine3::IDENTITY), 0)], Vec::new());
+    for geometry in [nothing, empty_mesh, no_mesh] {
+        assert_eq!(geometry.closest(&ray), None);
+        assert!(!geometry.occluded(&ray) && geometry.bounds().is_none());
+    }
+}
+
+/// Coincident primitives: the lower one answers, whatever the tree looks like.
+#[test]
+fn of_two_hits_at_equal_t_the_lower_primitive_wins() {
+    let mut rng = Pcg::new(9);
+    let mut mesh = soup(&mut rng, 50, 0.3);
+    let copy: Vec<_> = mesh.triangles.clone();
+    mesh.triangles.extend(copy.iter().rev());
+    let object = || GeomObject::new(Shape::mesh(0, DAffine3::from_translation(DVec3::splat(0.1))), 0);
+    let sphere = || {
+        GeomObject::new(
+            Shape::Sphere {
+                center: DVec3::ZERO,
+                radius: 0.2,
+            },
+            0,
+        )
+    };
+    let geometry = Geometry::build(vec![sphere(), object(), object(), sphere()], vec![mesh]);
+    let mut hits = 0;
+    for _ in 0..5000 {
+        let ray = random_ray(&mut rng, 1.0);
+        if let Some(hit) = geometry.closest(&ray) {
+            assert!(hit.prim.object <= 1 && hit.prim.prim < 50, "{hit:?}");
+            hits += 1;
+        }
+    }
+    assert!(hits > 500, "{hits}");
+}
+
+#[test]
+fn a_hundred_thousand_identical_triangles_build_and_answer() {
+    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+    let mesh = MeshData {
+        positions,
+        triangles: vec![[0, 1, 2]; 1000],
+        ..MeshData::default()
+    };
+    let geometry = single(mesh, DAffine3::IDENTITY);
+    let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
+    assert_eq!(geometry.closest(&ray).map(|h| h.prim.prim), Some(0));
+    assert!(geometry.occluded(&ray));
+}
+
+#[test]
+fn grid_time() {
+    for n in [50u32, 100, 200] {
+        let mut mesh = MeshData::default();
+        for y in 0..=n {
+            for x in 0..=n {
+                mesh.positions.push(Vec3::new(x as f32, 0.0, y as f32));
+            }
+        }
+        for y in 0..n {
+            for x in 0..n {
+                let i = y * (n + 1) + x;
+                mesh.triangles.push([i, i + 1, i + n + 1]);
+                mesh.triangles.push([i + 1, i + n + 2, i + n + 1]);
+            }
+        }
+        let t = std::time::Instant::now();
+        single(mesh, DAffine3::IDENTITY);
+        eprintln!("{n} {:?}", t.elapsed());
+    }
+    for n in [1000, 4000] {
+        let mesh = MeshData {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]; n],
+            ..MeshData::default()
+        };
+        let t = std::time::Instant::now();
+        let g = single(mesh, DAffine3::IDENTITY);
+        eprintln!("dup {n} {:?} ", t.elapsed());
+        let _ = g;
+    }
+}
