@@ -29,8 +29,13 @@ pub struct Cli {
 
 /// What each exit code means; part of the help.
 pub const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 the scene or an input is at fault; 2 wrong usage; 3 an error goal that was asked for
-was not reached (the picture is written); 4 an image cannot be written; 130 interrupted, the picture so far is saved.";
+Exit codes:
+  0    done
+  1    the scene or an input is at fault
+  2    wrong usage
+  3    an error goal that was asked for was not reached (the picture is written)
+  4    an image cannot be written
+  130  interrupted (the picture so far is saved)";
 
 /// The commands.
 #[derive(Debug, Subcommand)]

@@ -56,6 +56,12 @@ impl Exit {
     }
 }
 
+/// Stack of the thread that reads scenes: deeply nested ones need more than some systems give the first thread.
+const STACK: usize = 256 << 20;
+
+/// Exit code after a panic, the one Rust programs have.
+const PANICKED: u8 = 101;
+
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
     install_panic_hook();
@@ -66,12 +72,19 @@ pub fn main() -> ExitCode {
             return ExitCode::from(error.exit_code() as u8);
         }
     };
-    let exit = match cli.command {
+    let run = move || match cli.command {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         None => render::run(&cli.render),
     };
-    ExitCode::from(exit.code())
+    match std::thread::Builder::new().stack_size(STACK).spawn(run) {
+        // The panic hook has told what happened.
+        Ok(command) => ExitCode::from(command.join().map_or(PANICKED, Exit::code)),
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: cannot start a thread: {error}");
+            ExitCode::from(Exit::Usage.code())
+        }
+    }
 }
 
 /// A panic is a mistake of this program, never of the scene: say so in one line. Debug builds keep the details.

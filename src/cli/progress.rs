@@ -45,8 +45,8 @@ impl Meter {
         let bar = (console.progress() == ProgressKind::Bar).then(|| {
             let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(8));
             let style = match console.is_colored() {
-                true => "{bar:24.cyan/blue} {wide_msg}",
-                false => "{bar:24} {wide_msg}",
+                true => "{bar:20.cyan/blue} {wide_msg}",
+                false => "{bar:20} {wide_msg}",
             };
             bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar.set_message("first pass");
@@ -55,7 +55,7 @@ impl Meter {
         Meter {
             console,
             began,
-            next_look: AtomicU64::new(0),
+            next_look: AtomicU64::new(LOOK_INTERVAL.as_millis() as u64),
             shown: Mutex::new(Shown { at: began, tenth: 0 }),
             bar,
         }
@@ -120,12 +120,20 @@ impl Observer for Meter {
     }
 }
 
-/// ` 40 %  128 spp  3.20 M samples/s  12 s  18 s left  error 4.1 % (at most 4.6 %)`
+/// ` 40 %  128 spp  error 4.1 % (≤ 4.6 %)  12 s  18 s left  3.20 M samples/s`: what matters most stands first,
+/// since narrow terminals cut the end off.
 fn line(progress: &Progress, rendering: Duration) -> String {
     let mut parts = vec![
         format!("{:3.0} %", 100.0 * progress.fraction.clamp(0.0, 1.0)),
         format!("{} spp", progress.spp),
     ];
+    if let Some(error) = &progress.error {
+        parts.push(error_text(error));
+    }
+    parts.push(format::duration(progress.elapsed));
+    if let Some(left) = progress.remaining {
+        parts.push(format!("{} left", format::duration(left)));
+    }
     let seconds = rendering.as_secs_f64();
     if seconds > 0.0 {
         parts.push(format!(
@@ -133,20 +141,13 @@ fn line(progress: &Progress, rendering: Duration) -> String {
             format::count(progress.samples as f64 / seconds)
         ));
     }
-    parts.push(format::duration(progress.elapsed));
-    if let Some(left) = progress.remaining {
-        parts.push(format!("{} left", format::duration(left)));
-    }
-    if let Some(error) = &progress.error {
-        parts.push(error_text(error));
-    }
     parts.join("  ")
 }
 
-/// `error 4.1 % (at most 4.6 %)`
+/// `error 4.1 % (≤ 4.6 %)`, the bound at the asked confidence.
 fn error_text(e: &ErrorEstimate) -> String {
     let (error, bound) = (format::percent(e.error), format::percent(e.bound));
-    format!("error {error} (at most {bound})")
+    format!("error {error} (≤ {bound})")
 }
 
 fn event(progress: &Progress) -> Value {
@@ -188,7 +189,7 @@ mod tests {
         let text = line(&progress, Duration::from_secs(10));
         assert_eq!(
             text,
-            " 40 %  128 spp  3.20 M samples/s  12 s  18 s left  error 4.1 % (at most 4.6 %)"
+            " 40 %  128 spp  error 4.1 % (≤ 4.6 %)  12 s  18 s left  3.20 M samples/s"
         );
     }
 }

@@ -12,6 +12,9 @@ use glam::{DMat3, DVec3};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+/// The names of commands, for those who misspell them.
+const COMMANDS: [&str; 2] = ["render", "check"];
+
 /// The files of the machine, with standard input among them where the scene is `-`, and the scene's path therein.
 pub fn open(scene: &Path) -> std::io::Result<(StdinFiles<DiskFiles>, PathBuf)> {
     let mut stdin = Vec::new();
@@ -47,7 +50,13 @@ pub fn read(
     if path != Path::new(STDIN_NAME)
         && let Err(error) = std::fs::File::open(path)
     {
-        diags.push(load::unreadable(path, &error, files));
+        let mut diagnostic = load::unreadable(path, &error, files);
+        // `pts chekc a.pts` reads as the scene `chekc`.
+        let word = path.to_string_lossy();
+        if let Some(command) = COMMANDS.iter().find(|c| strsim::damerau_levenshtein(c, &word) <= 2) {
+            diagnostic = diagnostic.hint(format!("if you mean the command: pts {command} SCENE"));
+        }
+        diags.push(diagnostic);
         return None;
     }
     load::load(path, files, options, sources, diags)
