@@ -7,7 +7,7 @@ use crate::render::settings::Settings;
 use clap::ValueEnum;
 
 /// The words after `pts render`: what was given and what was decided, with the samples that were taken instead
-/// of the stop rules. Things that do not change the picture (threads, terminal) are left out.
+/// of the stop rules (after an interruption: those that are complete all over the picture). Things that do not change the picture (threads, terminal) are left out.
 pub fn command(args: &RenderArgs, settings: &Settings, spp: u32, with_outputs: bool) -> String {
     let mut words = vec![
         "pts".to_owned(),
@@ -26,7 +26,7 @@ pub fn command(args: &RenderArgs, settings: &Settings, spp: u32, with_outputs: b
         flag("--format", args.output.format.map(|f| f.extension().to_owned()));
     }
     flag("-r", Some(format!("{}x{}", settings.width, settings.height)));
-    flag("--spp", Some(spp.to_string()));
+    flag("--spp", Some(spp.max(1).to_string()));
     let names_seed = args.sampling.seed.is_some() || settings.seed != 0;
     flag("--seed", names_seed.then(|| settings.seed.to_string()));
     flag("--nets", args.sampling.nets.map(|n| n.to_string()));

@@ -3,7 +3,7 @@
 use super::args::{LoadArgs, ViewArgs};
 use super::camera::{self, CameraChoice};
 use super::console::Console;
-use crate::diag::{Diagnostic, Diagnostics, SourceMap};
+use crate::diag::{Diagnostics, SourceMap};
 use crate::files::{DiskFiles, Files};
 use crate::import::framing;
 use crate::load::{self, LoadOptions, STDIN_NAME, StdinFiles};
@@ -74,12 +74,19 @@ pub fn select_camera(scene: &mut Scene, view: &ViewArgs, diags: &mut Diagnostics
 /// Replaces light and camera as asked and adds what a bare model lacks.
 pub fn finish(scene: &mut Scene, view: &ViewArgs, size: [u32; 2], console: &Console, diags: &mut Diagnostics) {
     let aspect = f64::from(size[0]) / f64::from(size[1]);
+    // Before framing, which adds light only where there is none; and again after it, for those who want darkness.
     replace_environment(scene, view);
+    let environment = scene.environment.clone();
+    if scene.handedness == Handedness::Right || scene.active_camera.is_none() {
+        framing::frame(scene, aspect)
+            .into_iter()
+            .for_each(|note| diags.push(note));
+    }
+    if view.env_color.is_some() || view.env_map.is_some() {
+        scene.environment = environment;
+    }
     if let Some(factor) = view.light_scale {
         scale_lights(scene, factor);
-    }
-    if scene.handedness == Handedness::Right || scene.active_camera.is_none() {
-        diags.extend_one(framing::frame(scene, aspect));
     }
     if let Some(CameraChoice::Spec(spec)) = &view.camera {
         let base = scene.camera().cloned().unwrap_or_default();
@@ -125,19 +132,6 @@ fn scale_lights(scene: &mut Scene, factor: f64) {
     }
     for material in &mut scene.materials {
         material.emission.factor *= factor;
-    }
-}
-
-/// Adding what may not be there.
-trait ExtendOne {
-    fn extend_one(&mut self, diagnostic: Option<Diagnostic>);
-}
-
-impl ExtendOne for Diagnostics {
-    fn extend_one(&mut self, diagnostic: Option<Diagnostic>) {
-        if let Some(diagnostic) = diagnostic {
-            self.push(diagnostic);
-        }
     }
 }
 

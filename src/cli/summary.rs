@@ -48,7 +48,9 @@ impl Summary<'_> {
         lines.push(format!("  {}", self.error()));
         lines.push(format!("  {}", self.stop()));
         lines.extend(anomalies(&report.anomalies));
-        lines.push(format!("  again: {}", self.replay));
+        if report.stop != StopReason::Interrupted {
+            lines.push(format!("  again: {}", self.replay)); // an interrupted picture cannot be made again
+        }
         lines.join("\n")
     }
 
