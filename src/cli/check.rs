@@ -1,6 +1,7 @@
 //! `pts check`: everything a render reads is read and resolved, and all mistakes are told; nothing is rendered.
 
-use super::args::{CheckArgs, ReportFormat};
+use super::args::CheckArgs;
+use super::choices::ReportFormat;
 use super::console::Console;
 use super::{Exit, diagnostics, scene};
 use crate::compile::compile;

@@ -1,6 +1,7 @@
 //! What is told while a command runs: text or JSON lines on standard error, never on standard output.
 
-use super::args::{ColorKind, ProgressKind, TerminalArgs};
+use super::args::TerminalArgs;
+use super::choices::{ColorKind, ProgressKind};
 use super::diagnostics;
 use crate::diag::{Diagnostics, Severity, SourceMap};
 use anstream::{AutoStream, ColorChoice};

@@ -6,6 +6,7 @@
 pub mod args;
 pub mod camera;
 pub mod check;
+pub mod choices;
 pub mod console;
 pub mod diagnostics;
 pub mod format;

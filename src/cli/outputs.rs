@@ -1,7 +1,8 @@
 //! Where pictures go: checked before rendering, written after it.
 
 use super::Exit;
-use super::args::{Aov, OutputArgs, ToneMapKind};
+use super::args::OutputArgs;
+use super::choices::{Aov, ToneMapKind};
 use super::console::Console;
 use crate::output::{self, Develop, Format, Layers, OutputError, ToneMap};
 use crate::render::report::Picture;

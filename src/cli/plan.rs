@@ -1,6 +1,7 @@
 //! Decides what is rendered: the command line over the scene over the built-in defaults.
 
-use super::args::{DirectKind, FilterKind, OutputArgs, QualityArgs, RenderArgs, ToneMapKind};
+use super::args::{OutputArgs, QualityArgs, RenderArgs};
+use super::choices::{DirectKind, FilterKind, ToneMapKind};
 use super::values::MAX_SPP;
 use crate::render::settings::{Aovs, Direct, Filter, Settings, StopRules};
 use crate::scene::{self, Aspect, Handedness, RenderDefaults, Scene};
@@ -122,7 +123,7 @@ fn filter(flag: Option<FilterKind>, defaults: &RenderDefaults) -> Filter {
 }
 
 fn aovs(output: &OutputArgs) -> Aovs {
-    use super::args::Aov;
+    use super::choices::Aov;
     Aovs {
         depth: output.aov.contains(&Aov::Depth),
         normal: output.aov.contains(&Aov::Normal),

@@ -1,6 +1,6 @@
 //! What is shown while a render runs: a bar on terminals, a line now and then elsewhere, JSON for programs.
 
-use super::args::ProgressKind;
+use super::choices::ProgressKind;
 use super::console::Console;
 use super::{format, signals};
 use crate::render::report::{ErrorEstimate, Observer, Progress};

@@ -17,6 +17,7 @@ use crate::render::scene::CompiledScene;
 use crate::render::settings::Settings;
 use metadata::HashingFiles;
 use serde_json::json;
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Most pixels of a picture: its buffers must fit into memory.
@@ -77,14 +78,18 @@ fn load(args: &RenderArgs, console: &Console, started: Instant) -> Result<Job, E
         console.error(&format!("cannot read standard input: {error}"));
         Exit::Scene
     })?;
-    let files = HashingFiles::new(files);
-    let (mut sources, mut diags) = (SourceMap::default(), Diagnostics::default());
-    let job = build(args, &path, &files, console, started, &mut sources, &mut diags);
-    let refused = diags.has_errors();
-    console.diagnostics(&diags, &sources);
+    let mut reading = Reading {
+        files: HashingFiles::new(files),
+        path,
+        sources: SourceMap::default(),
+        diags: Diagnostics::default(),
+    };
+    let job = build(args, console, started, &mut reading);
+    let refused = reading.diags.has_errors();
+    console.diagnostics(&reading.diags, &reading.sources);
     match job {
         Ok(Some(job)) if !refused => {
-            for file in files.opened() {
+            for file in reading.files.opened() {
                 console.detail(&format!("read {}", file.display()));
             }
             Ok(job)
@@ -102,19 +107,25 @@ fn load(args: &RenderArgs, console: &Console, started: Instant) -> Result<Job, E
     }
 }
 
+/// A scene on its way in, with what is found wrong with it.
+struct Reading<F> {
+    files: HashingFiles<F>,
+    path: PathBuf,
+    sources: SourceMap,
+    diags: Diagnostics,
+}
+
+/// `None` where the scene is at fault, which the diagnostics tell; a refusal where the command line is.
 fn build<F: Files>(
     args: &RenderArgs,
-    path: &std::path::Path,
-    files: &HashingFiles<F>,
     console: &Console,
     started: Instant,
-    sources: &mut SourceMap,
-    diags: &mut Diagnostics,
+    reading: &mut Reading<F>,
 ) -> Result<Option<Job>, outputs::Refusal> {
-    let quality = &args.quality;
+    let (quality, files, diags) = (&args.quality, &reading.files, &mut reading.diags);
     let given = quality.resolution.map(|r| [Some(r.width), Some(r.height)]);
     let options = scene::load_options(&args.load, given.unwrap_or([quality.width, quality.height]));
-    let Some(mut scene) = scene::read(path, files, &options, sources, diags) else {
+    let Some(mut scene) = scene::read(&reading.path, files, &options, &mut reading.sources, diags) else {
         return Ok(None);
     };
     console.detail(&format!(
