@@ -1,5 +1,5 @@
 //! The `pts` binary: everything it does lives in the library's `cli` module.
 
 fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+    pts::cli::main()
 }

@@ -1,0 +1,306 @@
+//! The command line as data. Every flag is declared and explained here, once; the commands only read the result.
+
+use super::camera::CameraChoice;
+use super::choices::{Aov, ColorKind, DirectKind, FilterKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind};
+use super::values::{self, Resolution};
+use clap::{Args, Parser, Subcommand};
+use std::path::{Path, PathBuf};
+
+/// A path tracer for scenes written as text (POV-Ray's language, grown), glTF and OBJ, with honest error figures.
+///
+/// `pts scene.pts` is short for `pts render scene.pts`.
+#[derive(Debug, Parser)]
+#[command(
+    name = "pts",
+    version,
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true,
+    arg_required_else_help = true,
+    after_help = EXIT_CODES,
+    max_term_width = 110
+)]
+pub struct Cli {
+    /// What to do; without a command the scene is rendered.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// The arguments of `render`, where no command is named.
+    #[command(flatten)]
+    pub render: RenderArgs,
+}
+
+/// What each exit code means; part of the help.
+pub const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  1    the scene or an input is at fault
+  2    wrong usage
+  3    an error goal that was asked for was not reached (the picture is written)
+  4    an image cannot be written
+  130  interrupted (the picture so far is saved)";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to image files.
+    #[command(after_help = EXIT_CODES)]
+    Render(Box<RenderArgs>),
+    /// Read scenes and everything they use, and report all mistakes, without rendering.
+    Check(CheckArgs),
+}
+
+/// Everything `render` can be told.
+#[derive(Args, Clone, Debug)]
+pub struct RenderArgs {
+    /// The scene: .pts, .pov, .gltf, .glb or .obj, or - for text on standard input.
+    #[arg(value_name = "SCENE", required = true)]
+    scene: Option<PathBuf>,
+    /// Where pictures go.
+    #[command(flatten)]
+    pub output: OutputArgs,
+    /// How large the picture is and when it is good enough.
+    #[command(flatten)]
+    pub quality: QualityArgs,
+    /// What replaces parts of the scene.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// How light is sampled.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
+    /// How the scene is read.
+    #[command(flatten)]
+    pub load: LoadArgs,
+    /// What is said meanwhile.
+    #[command(flatten)]
+    pub terminal: TerminalArgs,
+    /// How progress is shown: a bar on terminals and plain lines elsewhere (auto), or one JSON object a line.
+    #[arg(long, value_name = "HOW", help_heading = TERMINAL)]
+    pub progress: Option<ProgressKind>,
+}
+
+impl RenderArgs {
+    /// The scene's path; `-` is standard input. Never empty where these are the arguments of the command that runs:
+    /// clap asks for it, and lets it be missing only beside another command.
+    pub fn scene(&self) -> &Path {
+        self.scene.as_deref().unwrap_or(Path::new(""))
+    }
+}
+
+const OUTPUT: &str = "Output";
+const PICTURE: &str = "Picture and stop rules (the first rule reached wins)";
+const VIEW: &str = "Camera and light";
+const SAMPLING: &str = "Sampling";
+const SCENE: &str = "Scene";
+const TERMINAL: &str = "Terminal";
+
+/// Where pictures go and how they are developed.
+#[derive(Args, Clone, Debug)]
+pub struct OutputArgs {
+    /// Image to write, by extension .png .exr .hdr .jpg or .ppm; - is standard output. Can be repeated.
+    /// [default: the scene's name with .png, in the working directory]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
+    pub output: Vec<PathBuf>,
+    /// Format of standard output, for -o -.
+    #[arg(long, value_name = "FORMAT", help_heading = OUTPUT)]
+    pub format: Option<OutputFormat>,
+    /// Extra layers of EXR files, separated by commas (stderr and samples are always there).
+    #[arg(long, value_name = "LAYERS", value_delimiter = ',', help_heading = OUTPUT)]
+    pub aov: Vec<Aov>,
+    /// Tone curve of 8-bit images [default: none for text scenes, neutral for bare models].
+    #[arg(long, value_name = "CURVE", help_heading = OUTPUT)]
+    pub tonemap: Option<ToneMapKind>,
+    /// Exposure of 8-bit images in stops: each doubles the light [default: 0].
+    #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = values::finite, help_heading = OUTPUT)]
+    pub exposure: Option<f64>,
+    /// Round 8-bit images to the nearest value instead of dithering them.
+    #[arg(long, help_heading = OUTPUT)]
+    pub no_dither: bool,
+}
+
+/// How large the picture is and when it is good enough.
+#[derive(Args, Clone, Debug)]
+pub struct QualityArgs {
+    /// Size in pixels, for example 1280x720 [default: the scene's, or by the aspect of its camera, or 800x600].
+    #[arg(short, long, value_name = "WxH", conflicts_with_all = ["width", "height"], help_heading = PICTURE)]
+    pub resolution: Option<Resolution>,
+    /// Columns; the height follows by the scene's aspect unless given.
+    #[arg(long, value_name = "N", value_parser = values::side, help_heading = PICTURE)]
+    pub width: Option<u32>,
+    /// Rows; the width follows by the scene's aspect unless given.
+    #[arg(long, value_name = "N", value_parser = values::side, help_heading = PICTURE)]
+    pub height: Option<u32>,
+    /// Samples per pixel at most. Any of --spp, --time and --error replaces all stop rules of the scene
+    /// [default: the scene's rules, else --error 3% with at most 1024 samples].
+    #[arg(short, long, value_name = "N",
+          value_parser = clap::value_parser!(u32).range(1..=values::MAX_SPP as i64), help_heading = PICTURE)]
+    pub spp: Option<u32>,
+    /// Time from the start of the program, for example 90s, 10m or 1h; one pass is always completed.
+    #[arg(long, value_name = "DURATION", value_parser = values::duration, help_heading = PICTURE)]
+    pub time: Option<f64>,
+    /// Stop when the relative error of the picture is below this, for example 2% or 0.02, with the given confidence.
+    #[arg(long, value_name = "GOAL", value_parser = values::error_goal, help_heading = PICTURE)]
+    pub error: Option<f64>,
+    /// Confidence of the error bound in percent [default: 90].
+    #[arg(long, value_name = "PERCENT", value_parser = values::confidence, help_heading = PICTURE)]
+    pub confidence: Option<f64>,
+}
+
+/// What replaces parts of the scene.
+#[derive(Args, Clone, Debug)]
+pub struct ViewArgs {
+    /// Camera by name, or from numbers: "location=x,y,z look_at=x,y,z angle=degrees" (each part optional; also sky=x,y,z).
+    #[arg(long, value_name = "NAME|SPEC", help_heading = VIEW)]
+    pub camera: Option<CameraChoice>,
+    /// Replace the environment by this radiance, linear.
+    #[arg(long, value_name = "R,G,B", value_parser = values::color, conflicts_with = "env_map", help_heading = VIEW)]
+    pub env_color: Option<[f64; 3]>,
+    /// Replace the environment by an equirectangular image (.hdr, .exr, …).
+    #[arg(long, value_name = "FILE", help_heading = VIEW)]
+    pub env_map: Option<PathBuf>,
+    /// Multiply the light of all lamps and emitting surfaces (not of the environment) by this.
+    #[arg(long, value_name = "FACTOR", value_parser = values::factor, help_heading = VIEW)]
+    pub light_scale: Option<f64>,
+}
+
+/// How light is sampled.
+#[derive(Args, Clone, Debug)]
+pub struct SamplingArgs {
+    /// Seed of all random choices: the same seed gives the same picture, bit by bit [default: the scene's, else 0].
+    #[arg(long, value_name = "N", help_heading = SAMPLING)]
+    pub seed: Option<u64>,
+    /// Most bounces of a path; 0 shows only direct light and what shines itself [default: the scene's, else unlimited].
+    #[arg(long, value_name = "N", help_heading = SAMPLING)]
+    pub max_depth: Option<u32>,
+    /// Pixel filter [default: the scene's, else blackman-harris].
+    #[arg(long, value_name = "FILTER", help_heading = SAMPLING)]
+    pub filter: Option<FilterKind>,
+    /// How direct light is found: by light sampling and by hits (mis, the default), or by one of them alone.
+    #[arg(long, value_name = "HOW", help_heading = SAMPLING)]
+    pub direct: Option<DirectKind>,
+    /// Independently scrambled sample nets; the error is estimated from their spread, so that 1 knows none [default: 4].
+    #[arg(long, value_name = "N", value_parser = nets, help_heading = SAMPLING)]
+    pub nets: Option<u32>,
+    /// Threads [default: one for each core].
+    #[arg(short = 'j', long, value_name = "N",
+          value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = SAMPLING)]
+    pub threads: Option<u32>,
+}
+
+/// How scenes are read, for all commands that read one.
+#[derive(Args, Clone, Debug)]
+pub struct LoadArgs {
+    /// Directory in which #include and images are looked up, after the scene's own. Can be repeated.
+    #[arg(short = 'I', long = "include", value_name = "DIR", help_heading = SCENE)]
+    pub include: Vec<PathBuf>,
+    /// Declare an identifier before the text scene is read: -D radius=2. Can be repeated.
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = values::define, help_heading = SCENE)]
+    pub define: Vec<(String, String)>,
+    /// Value of `clock` in text scenes, seconds of animation in glTF [default: 0].
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = values::finite, help_heading = SCENE)]
+    pub clock: Option<f64>,
+    /// Which scene of a bare glTF to show, by name [default: the file's default scene].
+    #[arg(long, value_name = "NAME", help_heading = SCENE)]
+    pub gltf_scene: Option<String>,
+    /// Which material variant of a bare glTF to show, by name.
+    #[arg(long, value_name = "NAME", help_heading = SCENE)]
+    pub variant: Option<String>,
+}
+
+/// What is said on the terminal, for all commands.
+#[derive(Args, Clone, Debug)]
+pub struct TerminalArgs {
+    /// Say less: -q leaves warnings and errors, -qq only errors.
+    #[arg(short, long, action = clap::ArgAction::Count, conflicts_with = "verbose", help_heading = TERMINAL)]
+    pub quiet: u8,
+    /// Say more: the time of each stage and the files that were read.
+    #[arg(short, long, action = clap::ArgAction::Count, help_heading = TERMINAL)]
+    pub verbose: u8,
+    /// When to use colours [default: auto; NO_COLOR is respected].
+    #[arg(long, value_name = "WHEN", help_heading = TERMINAL)]
+    pub color: Option<ColorKind>,
+}
+
+/// The arguments of `check`.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArgs {
+    /// The scenes to read.
+    #[arg(value_name = "SCENE", required = true)]
+    pub scenes: Vec<PathBuf>,
+    /// How mistakes are told: as text on standard error, or as one JSON document on standard output.
+    #[arg(long, value_name = "FORMAT", default_value = "human", help_heading = OUTPUT)]
+    pub format: ReportFormat,
+    /// How the scenes are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
+    /// What is said meanwhile.
+    #[command(flatten)]
+    pub terminal: TerminalArgs,
+}
+
+fn nets(text: &str) -> Result<u32, String> {
+    match text {
+        "1" => Ok(1),
+        "4" => Ok(4),
+        "8" => Ok(8),
+        "16" => Ok(16),
+        _ => Err("expected 1, 4, 8 or 16".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn parse(words: &[&str]) -> Result<Cli, clap::Error> {
+        Cli::try_parse_from(std::iter::once(&"pts").chain(words))
+    }
+
+    #[test]
+    fn the_declared_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_scene_alone_is_rendered() {
+        let short = parse(&["a.pts", "-s", "4", "-o", "x.png"]).unwrap();
+        assert!(short.command.is_none());
+        let short = short.render;
+        let Some(Command::Render(long)) = parse(&["render", "-s", "4", "-o", "x.png", "a.pts"]).unwrap().command else {
+            panic!("`render` is not the command");
+        };
+        assert_eq!(short.scene(), long.scene());
+        assert_eq!(short.scene(), Path::new("a.pts"));
+        assert_eq!(short.quality.spp, Some(4));
+        assert_eq!(long.quality.spp, Some(4));
+        assert_eq!(short.output.output, long.output.output);
+    }
+
+    #[test]
+    fn a_command_can_be_followed_by_its_own_arguments_alone() {
+        let cli = parse(&["check", "a.pts", "b.gltf"]).unwrap();
+        assert!(matches!(cli.command, Some(Command::Check(c)) if c.scenes.len() == 2));
+    }
+
+    #[test]
+    fn contradictory_flags_are_refused() {
+        for words in [
+            &["a.pts", "-r", "8x8", "--width", "8"][..],
+            &["a.pts", "--env-color", "1", "--env-map", "a.hdr"],
+            &["a.pts", "-q", "-v"],
+            &["a.pts", "--nets", "3"],
+            &["a.pts", "--spp", "0"],
+            &["a.pts", "b.pts"],
+            &["-s", "4"],
+            &["render", "-s", "4"],
+        ] {
+            assert!(parse(words).is_err(), "{words:?} was accepted");
+        }
+    }
+
+    #[test]
+    fn negative_numbers_are_values() {
+        let cli = parse(&["a.pts", "--exposure", "-1.5", "--clock", "-2"]).unwrap().render;
+        assert_eq!(cli.output.exposure, Some(-1.5));
+        assert_eq!(cli.load.clock, Some(-2.0));
+    }
+}

@@ -1,0 +1,120 @@
+//! The words that flags choose from; their explanations are part of the long help.
+
+use clap::ValueEnum;
+
+/// How `check` tells mistakes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ReportFormat {
+    /// Text with the source lines.
+    Human,
+    /// One JSON document.
+    Json,
+}
+
+/// Formats that can go to standard output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum OutputFormat {
+    /// 8-bit sRGB, lossless.
+    Png,
+    /// Linear, 32-bit float, with layers.
+    Exr,
+    /// Linear, shared exponent.
+    Hdr,
+    /// 8-bit sRGB, lossy.
+    Jpg,
+    /// 8-bit sRGB, uncompressed.
+    Ppm,
+}
+
+impl OutputFormat {
+    /// The extension that means this format.
+    pub fn extension(self) -> &'static str {
+        match self {
+            OutputFormat::Png => "png",
+            OutputFormat::Exr => "exr",
+            OutputFormat::Hdr => "hdr",
+            OutputFormat::Jpg => "jpg",
+            OutputFormat::Ppm => "ppm",
+        }
+    }
+}
+
+/// Layers beside the colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Aov {
+    /// Distance along the view axis.
+    Depth,
+    /// Shading normal in world space.
+    Normal,
+    /// Share of light the surface reflects.
+    Albedo,
+    /// Standard error of each pixel.
+    Stderr,
+    /// Samples of each pixel.
+    Samples,
+    /// Relative standard error of each pixel.
+    Relerr,
+}
+
+/// Tone curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ToneMapKind {
+    /// Values as they are, cut at white.
+    None,
+    /// Khronos PBR Neutral: exact up to 0.8, highlights compressed.
+    Neutral,
+    /// AgX: photographic.
+    Agx,
+    /// ACES, fitted.
+    Aces,
+    /// Reinhard on luminance.
+    Reinhard,
+}
+
+/// Pixel filters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FilterKind {
+    /// Uniform over the pixel.
+    Box,
+    /// Gaussian, σ = 0.5 pixels.
+    Gaussian,
+    /// Blackman–Harris, radius 1.5 pixels.
+    BlackmanHarris,
+}
+
+/// How direct light is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DirectKind {
+    /// Light sampling and hits, weighted against each other.
+    Mis,
+    /// Light sampling alone.
+    Light,
+    /// Hits alone.
+    Bsdf,
+}
+
+/// When colours are used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ColorKind {
+    /// On terminals, unless NO_COLOR is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressKind {
+    /// A bar on terminals, plain lines elsewhere.
+    Auto,
+    /// A bar.
+    Bar,
+    /// A line each 10 % or 30 seconds.
+    Plain,
+    /// One JSON object a line; all other messages too.
+    Json,
+    /// Nothing.
+    None,
+}

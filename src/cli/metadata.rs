@@ -1,0 +1,198 @@
+//! What a picture says about how it was made, and the fingerprint of the scene it shows.
+
+use super::args::RenderArgs;
+use super::plan::Goal;
+use super::progress::error_to_json;
+use super::replay;
+use crate::files::Files;
+use crate::render::report::{Report, StopReason};
+use crate::render::settings::{Direct, Filter, Settings};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+/// Files that remember the fingerprints of all contents read through them.
+pub struct HashingFiles<F> {
+    inner: F,
+    contents: Mutex<BTreeSet<u64>>,
+}
+
+impl<F: Files> HashingFiles<F> {
+    /// Nothing was read yet.
+    pub fn new(inner: F) -> HashingFiles<F> {
+        HashingFiles {
+            inner,
+            contents: Mutex::default(),
+        }
+    }
+
+    /// The fingerprint of everything that was read, of the declarations and of the clock, as 16 hexadecimal digits.
+    /// Names of files and the order of reading do not count.
+    pub fn scene_hash(&self, args: &RenderArgs) -> String {
+        let mut hash = Fnv::default();
+        for content in self.contents.lock().unwrap_or_else(|e| e.into_inner()).iter() {
+            hash.write(&content.to_le_bytes());
+        }
+        let load = &args.load;
+        let choices = [&load.gltf_scene, &load.variant].map(|o| o.as_deref().unwrap_or_default());
+        let defines = load
+            .define
+            .iter()
+            .flat_map(|(name, value)| [name.as_str(), value.as_str()]);
+        for word in defines.chain(choices) {
+            hash.write(word.as_bytes());
+            hash.write(&[0]);
+        }
+        hash.write(&load.clock.unwrap_or(0.0).to_le_bytes());
+        format!("{:016x}", hash.0)
+    }
+}
+
+impl<F: Files> Files for HashingFiles<F> {
+    fn read(&self, path: &Path) -> io::Result<Arc<[u8]>> {
+        let data = self.inner.read(path)?;
+        let mut hash = Fnv::default();
+        hash.write(&data);
+        self.contents.lock().unwrap_or_else(|e| e.into_inner()).insert(hash.0);
+        Ok(data)
+    }
+
+    fn exists(&self, path: &Path) -> bool {
+        self.inner.exists(path)
+    }
+
+    fn list(&self, dir: &Path) -> Vec<String> {
+        self.inner.list(dir)
+    }
+
+    fn opened(&self) -> Vec<PathBuf> {
+        self.inner.opened()
+    }
+}
+
+/// FNV-1a, 64 bits: tells scenes apart, protects against nobody.
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Fnv {
+        Fnv(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv {
+    fn write(&mut self, data: &[u8]) {
+        for byte in data {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
+        }
+    }
+}
+
+/// The word for a stop reason in files and events.
+pub fn stop_word(stop: StopReason) -> &'static str {
+    match stop {
+        StopReason::Samples => "samples",
+        StopReason::Time => "time",
+        StopReason::Error => "error",
+        StopReason::Interrupted => "interrupted",
+    }
+}
+
+/// The JSON object that is written into images. `with_seconds` adds how long it took, the one thing that
+/// differs between two runs of the same command.
+pub fn describe(
+    args: &RenderArgs,
+    hash: &str,
+    settings: &Settings,
+    goal: &Goal,
+    report: &Report,
+    with_seconds: bool,
+) -> Value {
+    let name = args.scene().file_name().map(|n| n.to_string_lossy().into_owned());
+    let mut value = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": name,
+        "scene_hash": hash,
+        "command": replay::command(args, settings, report.spp, false),
+        "seed": settings.seed,
+        "spp": report.spp,
+        "nets": settings.nets,
+        "max_depth": (settings.max_depth != u32::MAX).then_some(settings.max_depth),
+        "filter": filter_word(settings.filter),
+        "direct": direct_word(settings.direct),
+        "stop": stop_word(report.stop),
+        "error_goal": goal.rules.error,
+        "confidence": goal.rules.confidence,
+        "error": error_to_json(report.error.as_ref()),
+    });
+    if with_seconds {
+        value["seconds"] = json!((report.seconds * 1e3).round() / 1e3);
+    }
+    value
+}
+
+/// The word of a filter on the command line.
+pub fn filter_word(filter: Filter) -> &'static str {
+    match filter {
+        Filter::Box => "box",
+        Filter::Gaussian => "gaussian",
+        Filter::BlackmanHarris => "blackman-harris",
+    }
+}
+
+/// The word of a direct-light strategy on the command line.
+pub fn direct_word(direct: Direct) -> &'static str {
+    match direct {
+        Direct::Mis => "mis",
+        Direct::Light => "light",
+        Direct::Bsdf => "bsdf",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::{Cli, Command};
+    use crate::files::MemoryFiles;
+    use clap::Parser;
+
+    fn hash(contents: &[&str], flags: &[&str]) -> String {
+        let words = ["pts", "render", "a.pts"].iter().chain(flags);
+        let Some(Command::Render(args)) = Cli::parse_from(words).command else {
+            panic!("`render` is not the command");
+        };
+        let mut inner = MemoryFiles::default();
+        for (i, content) in contents.iter().enumerate() {
+            inner.insert(format!("{i}"), content.as_bytes());
+        }
+        let files = HashingFiles::new(inner);
+        for i in 0..contents.len() {
+            files.read(Path::new(&i.to_string())).unwrap();
+        }
+        files.scene_hash(&args)
+    }
+
+    /// Values published with the algorithm.
+    #[test]
+    fn fnv_gives_its_published_values() {
+        for (text, expected) in [
+            ("", 0xcbf2_9ce4_8422_2325),
+            ("a", 0xaf63_dc4c_8601_ec8c),
+            ("foobar", 0x8594_4171_f739_67e8),
+        ] {
+            let mut hash = Fnv::default();
+            hash.write(text.as_bytes());
+            assert_eq!(hash.0, expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_scene_hash_depends_on_contents_and_declarations_only() {
+        let base = hash(&["sphere", "box"], &[]);
+        assert_eq!(base, hash(&["box", "sphere"], &["--seed", "3", "-s", "9"]));
+        assert_ne!(base, hash(&["sphere", "cone"], &[]));
+        assert_ne!(base, hash(&["sphere", "box"], &["-D", "r=2"]));
+        assert_ne!(base, hash(&["sphere", "box"], &["--clock", "1"]));
+    }
+}

@@ -1,0 +1,195 @@
+//! What is shown while a render runs: a bar on terminals, a line now and then elsewhere, JSON for programs.
+
+use super::choices::ProgressKind;
+use super::console::Console;
+use super::{format, signals};
+use crate::render::report::{ErrorEstimate, Observer, Progress};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// Plain lines come at each tenth of the work, and at the latest after this time.
+const PLAIN_INTERVAL: Duration = Duration::from_secs(30);
+
+/// Least time between two looks at what the rendering threads report.
+const LOOK_INTERVAL: Duration = Duration::from_millis(100);
+
+/// JSON events come no more often than this.
+const JSON_INTERVAL: Duration = Duration::from_millis(500);
+
+/// Watches a render for the user, and tells it when the user wants it to end.
+pub struct Meter {
+    console: Console,
+    began: Instant,
+    /// Milliseconds after `began` before which news are dropped, so that threads seldom meet at the lock.
+    next_look: AtomicU64,
+    shown: Mutex<Shown>,
+    bar: Option<ProgressBar>,
+}
+
+/// What was shown last.
+struct Shown {
+    at: Instant,
+    tenth: u32,
+}
+
+impl Meter {
+    /// A meter for the render that begins now.
+    pub fn new(console: Console) -> Meter {
+        let began = Instant::now();
+        let bar = (console.progress() == ProgressKind::Bar).then(|| {
+            let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(8));
+            let style = match console.is_colored() {
+                true => "{bar:20.cyan/blue} {wide_msg}",
+                false => "{bar:20} {wide_msg}",
+            };
+            bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_message("first pass");
+            bar
+        });
+        Meter {
+            console,
+            began,
+            next_look: AtomicU64::new(LOOK_INTERVAL.as_millis() as u64),
+            shown: Mutex::new(Shown { at: began, tenth: 0 }),
+            bar,
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn show(&self, progress: &Progress, shown: &mut Shown) {
+        let rendering = self.began.elapsed();
+        match self.console.progress() {
+            ProgressKind::Bar => {
+                if let Some(bar) = &self.bar {
+                    bar.set_position((progress.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
+                    bar.set_message(line(progress, rendering));
+                }
+            }
+            ProgressKind::Plain => {
+                let tenth = (progress.fraction * 10.0) as u32;
+                if tenth > shown.tenth || shown.at.elapsed() >= PLAIN_INTERVAL {
+                    self.console.line(&line(progress, rendering));
+                    *shown = Shown {
+                        at: Instant::now(),
+                        tenth,
+                    };
+                }
+            }
+            ProgressKind::Json => {
+                if shown.at.elapsed() >= JSON_INTERVAL {
+                    self.console.event(&event(progress));
+                    shown.at = Instant::now();
+                }
+            }
+            ProgressKind::None | ProgressKind::Auto => {}
+        }
+    }
+}
+
+impl Observer for Meter {
+    fn progress(&self, progress: &Progress) {
+        if self.console.progress() == ProgressKind::None {
+            return;
+        }
+        let now = self.began.elapsed().as_millis() as u64;
+        if now < self.next_look.load(Ordering::Relaxed) {
+            return;
+        }
+        // Whoever finds the lock taken leaves it to the other thread.
+        if let Ok(mut shown) = self.shown.try_lock() {
+            self.next_look
+                .store(now + LOOK_INTERVAL.as_millis() as u64, Ordering::Relaxed);
+            self.show(progress, &mut shown);
+        }
+    }
+
+    fn should_stop(&self) -> bool {
+        signals::stop_asked()
+    }
+}
+
+/// ` 40 %  128 spp  error 4.1 % (≤ 4.6 %)  12 s  18 s left  3.20 M samples/s`: what matters most stands first,
+/// since narrow terminals cut the end off.
+fn line(progress: &Progress, rendering: Duration) -> String {
+    let mut parts = vec![
+        format!("{:3.0} %", 100.0 * progress.fraction.clamp(0.0, 1.0)),
+        format!("{} spp", progress.spp),
+    ];
+    if let Some(error) = &progress.error {
+        parts.push(error_text(error));
+    }
+    parts.push(format::duration(progress.elapsed));
+    if let Some(left) = progress.remaining {
+        parts.push(format!("{} left", format::duration(left)));
+    }
+    let seconds = rendering.as_secs_f64();
+    if seconds > 0.0 {
+        parts.push(format!(
+            "{} samples/s",
+            format::count(progress.samples as f64 / seconds)
+        ));
+    }
+    parts.join("  ")
+}
+
+/// `error 4.1 % (≤ 4.6 %)`, the bound at the asked confidence.
+fn error_text(e: &ErrorEstimate) -> String {
+    let (error, bound) = (format::percent(e.error), format::percent(e.bound));
+    format!("error {error} (≤ {bound})")
+}
+
+fn event(progress: &Progress) -> Value {
+    json!({
+        "event": "progress",
+        "fraction": progress.fraction,
+        "spp": progress.spp,
+        "samples": progress.samples,
+        "samples_at_most": progress.samples_at_most,
+        "elapsed": progress.elapsed,
+        "remaining": progress.remaining,
+        "error": error_to_json(progress.error.as_ref()),
+    })
+}
+
+/// `{"error": …, "bound": …}` as fractions, or null.
+pub fn error_to_json(error: Option<&ErrorEstimate>) -> Value {
+    error.map_or(Value::Null, |e| json!({"error": e.error, "bound": e.bound}))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_tells_share_speed_time_and_error() {
+        let progress = Progress {
+            spp: 128,
+            samples: 32_000_000,
+            samples_at_most: 80_000_000,
+            fraction: 0.4,
+            elapsed: 12.0,
+            remaining: Some(18.0),
+            error: Some(ErrorEstimate {
+                error: 0.041,
+                bound: 0.046,
+            }),
+        };
+        let text = line(&progress, Duration::from_secs(10));
+        assert_eq!(
+            text,
+            " 40 %  128 spp  error 4.1 % (≤ 4.6 %)  12 s  18 s left  3.20 M samples/s"
+        );
+    }
+}

@@ -1,0 +1,247 @@
+//! `pts render`: a scene to image files.
+
+use super::args::RenderArgs;
+use super::console::Console;
+use super::outputs::{self, Target};
+use super::plan::{self, Goal};
+use super::progress::Meter;
+use super::summary::{Summary, is_goal_missed};
+use super::{Exit, format, metadata, replay, scene, signals};
+use crate::compile::compile;
+use crate::diag::{Diagnostics, SourceMap};
+use crate::files::Files;
+use crate::output::{Develop, Format};
+use crate::render::driver;
+use crate::render::report::{Picture, Report, StopReason};
+use crate::render::scene::CompiledScene;
+use crate::render::settings::Settings;
+use metadata::HashingFiles;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Most pixels of a picture: its buffers must fit into memory.
+const MAX_PIXELS: u64 = 1 << 30;
+
+/// What is known before the first ray.
+struct Job {
+    compiled: CompiledScene,
+    settings: Settings,
+    goal: Goal,
+    develop: Develop,
+    hash: String,
+}
+
+/// Runs the command.
+pub fn run(args: &RenderArgs) -> Exit {
+    let started = Instant::now();
+    let console = Console::new(&args.terminal, args.progress);
+    signals::install(!console.is_json());
+    let targets = match prepare(args) {
+        Ok(targets) => targets,
+        Err((exit, message)) => {
+            console.error(&message);
+            return exit;
+        }
+    };
+    let job = match load(args, &console, started) {
+        Ok(job) => job,
+        Err(exit) => return exit,
+    };
+    announce(args, &job, &console);
+    signals::rendering_begins();
+    let meter = Meter::new(console);
+    let (picture, report) = driver::render(&job.compiled, &job.settings, &meter);
+    meter.finish();
+    conclude(args, &job, &targets, picture, &report, &console)
+}
+
+/// Everything that can be wrong without looking at the scene.
+fn prepare(args: &RenderArgs) -> Result<Vec<Target>, outputs::Refusal> {
+    if args.sampling.nets == Some(1) && args.quality.error.is_some() {
+        let message = "--error needs several sample nets to estimate the error from: leave --nets 1 out";
+        return Err((Exit::Usage, message.to_owned()));
+    }
+    let targets = outputs::plan(&args.output, args.scene())?;
+    if let Some(threads) = args.sampling.threads {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads as usize)
+            .build_global();
+        pool.map_err(|e| (Exit::Usage, format!("cannot start {threads} threads: {e}")))?;
+    }
+    Ok(targets)
+}
+
+/// Reads and compiles the scene, and decides the settings. All mistakes have been told when it fails.
+fn load(args: &RenderArgs, console: &Console, started: Instant) -> Result<Job, Exit> {
+    let (files, path) = scene::open(args.scene()).map_err(|error| {
+        console.error(&format!("cannot read standard input: {error}"));
+        Exit::Scene
+    })?;
+    let mut reading = Reading {
+        files: HashingFiles::new(files),
+        path,
+        sources: SourceMap::default(),
+        diags: Diagnostics::default(),
+    };
+    let job = build(args, console, started, &mut reading);
+    let refused = reading.diags.has_errors();
+    console.diagnostics(&reading.diags, &reading.sources);
+    match job {
+        Ok(Some(job)) if !refused => {
+            for file in reading.files.opened() {
+                console.detail(&format!("read {}", file.display()));
+            }
+            Ok(job)
+        }
+        Ok(_) => {
+            if !refused {
+                console.error("the scene could not be compiled; this is a mistake in pts, please report it");
+            }
+            Err(Exit::Scene)
+        }
+        Err((exit, message)) => {
+            console.error(&message);
+            Err(exit)
+        }
+    }
+}
+
+/// A scene on its way in, with what is found wrong with it.
+struct Reading<F> {
+    files: HashingFiles<F>,
+    path: PathBuf,
+    sources: SourceMap,
+    diags: Diagnostics,
+}
+
+/// `None` where the scene is at fault, which the diagnostics tell; a refusal where the command line is.
+fn build<F: Files>(
+    args: &RenderArgs,
+    console: &Console,
+    started: Instant,
+    reading: &mut Reading<F>,
+) -> Result<Option<Job>, outputs::Refusal> {
+    let (quality, files, diags) = (&args.quality, &reading.files, &mut reading.diags);
+    let given = quality.resolution.map(|r| [Some(r.width), Some(r.height)]);
+    let options = scene::load_options(&args.load, given.unwrap_or([quality.width, quality.height]));
+    let Some(mut scene) = scene::read(&reading.path, files, &options, &mut reading.sources, diags) else {
+        return Ok(None);
+    };
+    console.detail(&format!(
+        "read the scene in {}",
+        format::duration(started.elapsed().as_secs_f64())
+    ));
+    scene::select_camera(&mut scene, &args.view, diags);
+    let size = plan::resolution(quality, &scene);
+    if u64::from(size[0]) * u64::from(size[1]) > MAX_PIXELS {
+        let message = format!(
+            "{}x{} are more pixels than the {MAX_PIXELS} that are supported",
+            size[0], size[1]
+        );
+        return Err((Exit::Usage, message));
+    }
+    scene::finish(&mut scene, &args.view, size, console, diags);
+    let goal = plan::stop_rules(quality, &scene.defaults);
+    let settings = plan::settings(args, &scene, size, &goal, started);
+    if settings.nets == 1 && goal.error_was_asked {
+        let message =
+            "the scene has an error goal, which --nets 1 cannot estimate: add --spp or --time, or leave --nets 1 out";
+        return Err((Exit::Usage, message.to_owned()));
+    }
+    if diags.has_errors() {
+        return Ok(None);
+    }
+    let compiling = Instant::now();
+    let Some(compiled) = compile(&scene, files, size[0], size[1], diags) else {
+        return Ok(None);
+    };
+    console.detail(&format!(
+        "compiled it in {}",
+        format::duration(compiling.elapsed().as_secs_f64())
+    ));
+    Ok(Some(Job {
+        compiled,
+        develop: outputs::develop(
+            &args.output,
+            plan::tone_map(&args.output, &scene),
+            scene.display_is_linear,
+        ),
+        settings,
+        goal,
+        hash: files.scene_hash(args),
+    }))
+}
+
+fn announce(args: &RenderArgs, job: &Job, console: &Console) {
+    if console.is_json() {
+        let rules = &job.goal.rules;
+        console.event(&json!({
+            "event": "start",
+            "version": env!("CARGO_PKG_VERSION"),
+            "scene": args.scene().display().to_string(),
+            "scene_hash": job.hash,
+            "width": job.settings.width,
+            "height": job.settings.height,
+            "seed": job.settings.seed,
+            "nets": job.settings.nets,
+            "spp_at_most": rules.spp,
+            "seconds_at_most": rules.seconds,
+            "error_goal": rules.error,
+            "confidence": rules.confidence,
+            "threads": rayon::current_num_threads(),
+        }));
+    } else {
+        let threads = rayon::current_num_threads();
+        console.detail(&format!(
+            "rendering {}x{} with {threads} threads",
+            job.settings.width, job.settings.height
+        ));
+    }
+}
+
+/// Writes the picture, tells how it went, and decides the exit code.
+fn conclude(
+    args: &RenderArgs,
+    job: &Job,
+    targets: &[Target],
+    picture: Picture,
+    report: &Report,
+    console: &Console,
+) -> Exit {
+    let interrupted = report.stop == StopReason::Interrupted;
+    let (written, all_written) = if interrupted && report.samples == 0 {
+        console.warn("interrupted before the first sample: nothing is written");
+        (Vec::new(), true)
+    } else {
+        let layers = outputs::layers(picture, &args.output.aov);
+        let describe = |format: Format| {
+            // Only OpenEXR files tell the time, so that two runs give the same PNG byte by byte.
+            metadata::describe(args, &job.hash, &job.settings, &job.goal, report, format == Format::Exr)
+        };
+        outputs::write_all(targets, &layers, &job.develop, describe, console)
+    };
+    let exit = if !all_written {
+        Exit::Output
+    } else if interrupted {
+        Exit::Interrupted
+    } else if job.goal.error_was_asked && is_goal_missed(&job.goal, report) {
+        Exit::GoalMissed
+    } else {
+        Exit::Done
+    };
+    let replay = replay::command(args, &job.settings, report.spp, true);
+    let summary = Summary {
+        written: &written,
+        settings: &job.settings,
+        goal: &job.goal,
+        report,
+        replay: &replay,
+    };
+    if console.is_json() {
+        console.event(&summary.event(exit.code()));
+    } else {
+        console.say(&summary.text());
+    }
+    exit
+}

@@ -1,0 +1,136 @@
+//! The command line that makes the same picture again, bit by bit.
+
+use super::args::RenderArgs;
+use super::format::shell_word;
+use super::metadata::filter_word;
+use crate::render::settings::Settings;
+use clap::ValueEnum;
+
+/// The words after `pts render`: what was given and what was decided, with the samples that were taken instead
+/// of the stop rules (after an interruption: those that are complete all over the picture). Things that do not change the picture (threads, terminal) are left out.
+pub fn command(args: &RenderArgs, settings: &Settings, spp: u32, with_outputs: bool) -> String {
+    let mut words = vec![
+        "pts".to_owned(),
+        "render".to_owned(),
+        args.scene().display().to_string(),
+    ];
+    let mut flag = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            words.extend([name.to_owned(), value]);
+        }
+    };
+    if with_outputs {
+        for output in &args.output.output {
+            flag("-o", Some(output.display().to_string()));
+        }
+        flag("--format", args.output.format.map(|f| f.extension().to_owned()));
+    }
+    flag("-r", Some(format!("{}x{}", settings.width, settings.height)));
+    flag("--spp", Some(spp.max(1).to_string()));
+    let names_seed = args.sampling.seed.is_some() || settings.seed != 0;
+    flag("--seed", names_seed.then(|| settings.seed.to_string()));
+    flag("--nets", args.sampling.nets.map(|n| n.to_string()));
+    flag("--max-depth", args.sampling.max_depth.map(|n| n.to_string()));
+    flag(
+        "--filter",
+        args.sampling.filter.map(|_| filter_word(settings.filter).to_owned()),
+    );
+    flag("--direct", args.sampling.direct.and_then(value_name));
+    flag("--camera", args.view.camera.as_ref().map(|c| c.to_string()));
+    flag(
+        "--env-color",
+        args.view.env_color.map(|[r, g, b]| format!("{r},{g},{b}")),
+    );
+    flag("--env-map", args.view.env_map.as_ref().map(|p| p.display().to_string()));
+    flag("--light-scale", args.view.light_scale.map(|f| f.to_string()));
+    for dir in &args.load.include {
+        flag("-I", Some(dir.display().to_string()));
+    }
+    for (name, value) in &args.load.define {
+        flag("-D", Some(format!("{name}={value}")));
+    }
+    flag("--clock", args.load.clock.map(|t| t.to_string()));
+    flag("--gltf-scene", args.load.gltf_scene.clone());
+    flag("--variant", args.load.variant.clone());
+    let layers: Vec<String> = args.output.aov.iter().filter_map(|a| value_name(*a)).collect();
+    flag("--aov", (!layers.is_empty()).then(|| layers.join(",")));
+    flag("--tonemap", args.output.tonemap.and_then(value_name));
+    flag("--exposure", args.output.exposure.map(|e| e.to_string()));
+    if args.output.no_dither {
+        words.push("--no-dither".to_owned());
+    }
+    let quoted: Vec<String> = words.iter().map(|w| shell_word(w)).collect();
+    quoted.join(" ")
+}
+
+/// The word of a flag's value on the command line.
+fn value_name(value: impl ValueEnum) -> Option<String> {
+    value.to_possible_value().map(|v| v.get_name().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::args::{Cli, Command};
+    use clap::Parser;
+
+    fn args(words: &[&str]) -> RenderArgs {
+        match Cli::parse_from(["pts", "render"].iter().chain(words)).command {
+            Some(Command::Render(args)) => *args,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_replay_names_what_was_decided_instead_of_the_stop_rules() {
+        let args = args(&["my scene.pts", "--error", "2%", "--time", "1h", "-j", "2", "-q"]);
+        let settings = Settings::new(32, 16, 1024);
+        let text = command(&args, &settings, 96, true);
+        assert_eq!(text, "pts render 'my scene.pts' -r 32x16 --spp 96");
+    }
+
+    #[test]
+    fn replaying_a_replay_gives_the_same_words() {
+        let first = args(&[
+            "a.pts",
+            "-o",
+            "x.exr",
+            "--camera",
+            "location=1,2,3 angle=40",
+            "--env-color",
+            "1,0.5,0",
+            "--direct",
+            "light",
+            "--nets",
+            "8",
+            "--filter",
+            "box",
+            "-D",
+            "r=2",
+            "--aov",
+            "depth,normal",
+            "--tonemap",
+            "agx",
+            "--exposure",
+            "-1.5",
+            "--no-dither",
+            "--clock",
+            "-2",
+            "-I",
+            "inc",
+        ]);
+        let mut settings = Settings::new(8, 8, 4);
+        settings.seed = 7;
+        settings.filter = crate::render::settings::Filter::Box;
+        let text = command(&first, &settings, 4, true);
+        // No word of this command holds a blank but the camera's.
+        let camera = "'location=1,2,3 angle=40'";
+        let shielded = text.replace(camera, "CAMERA");
+        let words: Vec<&str> = shielded.split(' ').skip(2).collect();
+        let words: Vec<&str> = words
+            .into_iter()
+            .map(|w| if w == "CAMERA" { camera.trim_matches('\'') } else { w })
+            .collect();
+        assert_eq!(command(&args(&words), &settings, 4, true), text);
+    }
+}

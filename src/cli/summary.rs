@@ -1,0 +1,221 @@
+//! What is told after a render: what was written, how good it is, why it ended, how to make it again.
+
+use super::format::{count, duration, percent};
+use super::metadata::stop_word;
+use super::plan::Goal;
+use super::progress::error_to_json;
+use crate::render::report::{Anomalies, Report, StopReason};
+use crate::render::settings::Settings;
+use serde_json::{Value, json};
+
+/// Fewer samples per pixel than this give no standard errors.
+const LEAST_SPP_FOR_ERRORS: u32 = 16;
+
+/// Everything the summary speaks of.
+pub struct Summary<'a> {
+    /// Files that were written.
+    pub written: &'a [String],
+    /// What was asked.
+    pub settings: &'a Settings,
+    /// When it should have ended.
+    pub goal: &'a Goal,
+    /// What came out.
+    pub report: &'a Report,
+    /// The command that makes it again.
+    pub replay: &'a str,
+}
+
+impl Summary<'_> {
+    /// As text, a fact a line.
+    pub fn text(&self) -> String {
+        let (report, settings) = (self.report, self.settings);
+        let mut lines = Vec::new();
+        if !self.written.is_empty() {
+            lines.push(format!(
+                "wrote {} ({}x{})",
+                self.written.join(", "),
+                settings.width,
+                settings.height
+            ));
+        }
+        let mut work = format!("  {} samples per pixel in {}", report.spp, duration(report.seconds));
+        if report.seconds > 0.0 {
+            let rates = [(report.samples, "samples/s"), (report.rays, "rays/s")];
+            let rates = rates.map(|(n, unit)| format!("{} {unit}", count(n as f64 / report.seconds)));
+            work += &format!(" ({})", rates.join(", "));
+        }
+        lines.push(work);
+        lines.push(format!("  {}", self.error()));
+        lines.push(format!("  {}", self.stop()));
+        lines.extend(anomalies(&report.anomalies));
+        if report.stop != StopReason::Interrupted {
+            lines.push(format!("  again: {}", self.replay)); // an interrupted picture cannot be made again
+        }
+        lines.join("\n")
+    }
+
+    fn error(&self) -> String {
+        let confidence = percent(self.goal.rules.confidence);
+        match &self.report.error {
+            Some(e) => {
+                let (error, bound) = (percent(e.error), percent(e.bound));
+                format!("error {error}, below {bound} with {confidence} confidence")
+            }
+            None if self.settings.nets == 1 => {
+                "error unknown: it shows in the spread of several nets (--nets 4)".to_owned()
+            }
+            None if self.report.spp < LEAST_SPP_FOR_ERRORS => {
+                format!("error unknown: standard errors need {LEAST_SPP_FOR_ERRORS} samples per pixel")
+            }
+            None => "error unknown: too few samples per pixel to estimate it".to_owned(),
+        }
+    }
+
+    fn stop(&self) -> String {
+        let rules = &self.goal.rules;
+        let goal = rules.error.map(percent);
+        let missed = match (&goal, is_goal_missed(self.goal, self.report)) {
+            (Some(goal), true) => format!("; the error goal of {goal} is not reached"),
+            _ => String::new(),
+        };
+        match self.report.stop {
+            StopReason::Error => format!("stopped at the error goal of {}", goal.unwrap_or_default()),
+            StopReason::Samples => format!("stopped after all samples{missed}"),
+            StopReason::Time => format!(
+                "stopped by the time limit of {}{missed}",
+                duration(rules.seconds.unwrap_or(0.0))
+            ),
+            StopReason::Interrupted => "interrupted: this is the picture so far".to_owned(),
+        }
+    }
+
+    /// As the last JSON event.
+    pub fn event(&self, exit: u8) -> Value {
+        let (report, anomalies) = (self.report, &self.report.anomalies);
+        json!({
+            "event": "done",
+            "exit": exit,
+            "outputs": self.written,
+            "width": self.settings.width,
+            "height": self.settings.height,
+            "spp": report.spp,
+            "samples": report.samples,
+            "rays": report.rays,
+            "seconds": report.seconds,
+            "stop": stop_word(report.stop),
+            "error": error_to_json(report.error.as_ref()),
+            "anomalies": {
+                "non_finite": anomalies.non_finite,
+                "shading_rejected": anomalies.shading_rejected,
+                "stack_overflow": anomalies.stack_overflow,
+            },
+            "replay": self.replay,
+        })
+    }
+}
+
+/// Whether there is an error goal, asked for or built in, whose bound was not reached.
+pub fn is_goal_missed(goal: &Goal, report: &Report) -> bool {
+    let Some(wanted) = goal.rules.error else {
+        return false;
+    };
+    let reached = report.error.is_some_and(|e| e.bound <= wanted);
+    !(reached || report.stop == StopReason::Error)
+}
+
+fn anomalies(found: &Anomalies) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut tell = |n: u64, text: &str| {
+        if n > 0 {
+            lines.push(format!("  {n} {text}"));
+        }
+    };
+    tell(found.non_finite, "samples were not finite and count as black");
+    tell(
+        found.stack_overflow,
+        "paths ended because media or surfaces are nested too deeply",
+    );
+    tell(
+        found.shading_rejected,
+        "paths ended where smoothed normals scatter through the surface",
+    );
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::report::ErrorEstimate;
+    use crate::render::settings::StopRules;
+
+    fn report(stop: StopReason, bound: Option<f64>) -> Report {
+        Report {
+            stop,
+            spp: 256,
+            samples: 1_000_000,
+            rays: 5_000_000,
+            seconds: 2.0,
+            error: bound.map(|bound| ErrorEstimate {
+                error: 0.9 * bound,
+                bound,
+            }),
+            anomalies: Anomalies::default(),
+        }
+    }
+
+    fn goal(error: Option<f64>) -> Goal {
+        Goal {
+            rules: StopRules {
+                spp: 256,
+                seconds: None,
+                error,
+                confidence: 0.9,
+            },
+            error_was_asked: true,
+        }
+    }
+
+    #[test]
+    fn a_goal_is_judged_by_the_bound() {
+        for (stop, bound, missed) in [
+            (StopReason::Samples, Some(0.031), true),
+            (StopReason::Samples, Some(0.03), false),
+            (StopReason::Samples, None, true),
+            (StopReason::Time, Some(0.2), true),
+            (StopReason::Error, Some(0.02), false),
+        ] {
+            assert_eq!(
+                is_goal_missed(&goal(Some(0.03)), &report(stop, bound)),
+                missed,
+                "{stop:?} {bound:?}"
+            );
+            assert!(!is_goal_missed(&goal(None), &report(stop, bound)));
+        }
+    }
+
+    #[test]
+    fn the_summary_tells_files_error_reason_anomalies_and_replay() {
+        let mut report = report(StopReason::Samples, Some(0.05));
+        report.anomalies.non_finite = 12;
+        let (settings, goal) = (Settings::new(8, 4, 256), goal(Some(0.03)));
+        let summary = Summary {
+            written: &["a.png".to_owned(), "a.exr".to_owned()],
+            settings: &settings,
+            goal: &goal,
+            report: &report,
+            replay: "pts render a.pts",
+        };
+        let text = summary.text();
+        for part in [
+            "wrote a.png, a.exr (8x4)",
+            "256 samples per pixel in 2.0 s (500 k samples/s, 2.50 M rays/s)",
+            "error 4.5 %, below 5.0 % with 90 % confidence",
+            "the error goal of 3.0 % is not reached",
+            "12 samples were not finite",
+            "again: pts render a.pts",
+        ] {
+            assert!(text.contains(part), "`{part}` is not in\n{text}");
+        }
+        assert_eq!(summary.event(3)["error"]["bound"], 0.05);
+    }
+}
