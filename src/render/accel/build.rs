@@ -5,6 +5,8 @@ use super::node::{LEAF, Node, Tree, WIDTH};
 use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
+use rayon::slice::ParallelSliceMut;
+use std::collections::HashMap;
 
 struct Item(Aabb);
 
@@ -28,11 +30,76 @@ pub fn build_tree(bounds: &[Bounds], leaf_size: u32) -> Tree {
     } else {
         1.0
     };
-    let items: Vec<Item> = bounds.iter().map(|b| Item(scaled(*b, 1.0 / unit))).collect();
+    let stacks = Stacks::find(bounds);
+    let items: Vec<Item> = stacks
+        .lowest
+        .iter()
+        .map(|&i| Item(scaled(bounds[i as usize], 1.0 / unit)))
+        .collect();
     let binary = build_binary(&items, leaf_size);
-    let mut tree = widen(&binary, unit);
+    let mut tree = widen(&binary, unit, &stacks, leaf_size as usize);
     tree.stack_need = stack_need(&tree);
     tree
+}
+
+/// Boxes that coincide exactly, gathered where there are many: clustering by area cannot tell them apart and would take
+/// quadratic time. The builder sees one box of each stack.
+struct Stacks {
+    /// The lowest primitive of each stack or the only one, ascending.
+    lowest: Vec<u32>,
+    /// The other primitives of real stacks, by the lowest.
+    others: HashMap<u32, Vec<u32>>,
+}
+
+impl Stacks {
+    /// This many equal boxes are left to the builder: the two triangles of an upright rectangle share theirs.
+    const HARMLESS: usize = 8;
+
+    fn find(bounds: &[Bounds]) -> Stacks {
+        let mut keys: Vec<(u64, u32)> = bounds.iter().zip(0..).map(|(b, i)| (hash(b), i)).collect();
+        keys.par_sort_unstable();
+        let mut others = HashMap::new();
+        let mut covered = Vec::new();
+        for run in keys.chunk_by(|a, b| a.0 == b.0) {
+            if run.len() > Self::HARMLESS {
+                let lowest = run[0].1;
+                let same = |&&(_, i): &&(u64, u32)| bounds[i as usize] == bounds[lowest as usize];
+                let rest: Vec<u32> = run[1..].iter().filter(same).map(|k| k.1).collect();
+                covered.extend_from_slice(&rest);
+                others.insert(lowest, rest);
+            }
+        }
+        covered.sort_unstable();
+        let is_lowest = |i: &u32| covered.binary_search(i).is_err();
+        Stacks {
+            lowest: if covered.is_empty() {
+                (0..bounds.len() as u32).collect()
+            } else {
+                (0..bounds.len() as u32).filter(is_lowest).collect()
+            },
+            others,
+        }
+    }
+
+    /// The primitives behind the builder's items.
+    fn primitives(&self, items: &[u32]) -> Vec<u32> {
+        let mut all = Vec::with_capacity(items.len());
+        for &item in items {
+            let lowest = self.lowest[item as usize];
+            all.push(lowest);
+            all.extend(self.others.get(&lowest).into_iter().flatten());
+        }
+        all
+    }
+}
+
+fn hash(b: &Bounds) -> u64 {
+    let words = b.min.to_array().into_iter().chain(b.max.to_array());
+    words.fold(0xCBF2_9CE4_8422_2325, |h: u64, x| {
+        (h ^ u64::from(x.to_bits()))
+            .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            .rotate_left(29)
+    })
 }
 
 /// The largest power of two not above a positive finite number.
@@ -72,7 +139,7 @@ fn build_binary(items: &[Item], leaf_size: u32) -> Bvh2 {
 }
 
 /// Pulls grandchildren up until each node has eight children, opening the largest first.
-fn widen(binary: &Bvh2, unit: f64) -> Tree {
+fn widen(binary: &Bvh2, unit: f64, stacks: &Stacks, leaf_size: usize) -> Tree {
     let mut tree = Tree::default();
     let box_of = |i: usize| {
         let b = binary.nodes[i].aabb();
@@ -102,23 +169,37 @@ fn widen(binary: &Bvh2, unit: f64) -> Tree {
             children[count] = first + 1;
             count += 1;
         }
-        let mut node = Node::EMPTY;
+        tree.nodes.push(Node::EMPTY);
         for (slot, &child) in children[..count].iter().enumerate() {
             let from = &binary.nodes[child];
             let reference = if from.is_leaf() {
                 let first = from.first_index as usize;
-                tree.leaves
-                    .push(binary.primitive_indices[first..first + from.prim_count as usize].to_vec());
-                LEAF | (tree.leaves.len() - 1) as u32
+                let items = &binary.primitive_indices[first..first + from.prim_count as usize];
+                add_leaf(&mut tree, &stacks.primitives(items), box_of(child), leaf_size)
             } else {
                 work.push((child, Some((index, slot))));
                 u32::MAX
             };
-            node.set(slot, box_of(child), reference);
+            tree.nodes[index].set(slot, box_of(child), reference);
         }
-        tree.nodes.push(node);
     }
     tree
+}
+
+/// A leaf, or where the primitives are too many for one, nodes above evenly filled leaves (depth log₈ of their number).
+fn add_leaf(tree: &mut Tree, primitives: &[u32], bounds: Bounds, leaf_size: usize) -> u32 {
+    if primitives.len() <= leaf_size.max(1) {
+        tree.leaves.push(primitives.to_vec());
+        return LEAF | (tree.leaves.len() - 1) as u32;
+    }
+    let index = tree.nodes.len();
+    tree.nodes.push(Node::EMPTY);
+    let share = primitives.len().div_ceil(WIDTH).max(leaf_size.max(1));
+    for (slot, part) in primitives.chunks(share).enumerate() {
+        let child = add_leaf(tree, part, bounds, leaf_size);
+        tree.nodes[index].set(slot, bounds, child);
+    }
+    index as u32
 }
 
 /// Each level leaves at most seven siblings waiting.
