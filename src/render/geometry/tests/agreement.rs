@@ -143,7 +143,7 @@ fn nested_triangles_around_one_centre_build_quickly() {
         mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
     }
     let started = std::time::Instant::now();
-    let geometry = single(mesh, DAffine3::IDENTITY);
-    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
-    assert!(geometry.occluded(&Ray::new(Vec3::new(0.0, 0.0, 1.0), -Vec3::Z)));
+    let mut geometry = single(mesh, DAffine3::IDENTITY);
+    assert!(started.elapsed().as_secs() < 10, "{:?}", started.elapsed());
+    agrees_with_brute_force(&mut geometry, 8, 60, 2.0);
 }
