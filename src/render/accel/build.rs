@@ -5,6 +5,8 @@ use super::node::{LEAF, Node, Tree, WIDTH};
 use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
+use rayon::slice::ParallelSliceMut;
+use std::collections::HashMap;
 
 struct Item(Aabb);
 
@@ -28,11 +30,105 @@ pub fn build_tree(bounds: &[Bounds], leaf_size: u32) -> Tree {
     } else {
         1.0
     };
-    let items: Vec<Item> = bounds.iter().map(|b| Item(scaled(*b, 1.0 / unit))).collect();
+    let stacks = Stacks::find(bounds);
+    let items: Vec<Item> = stacks
+        .lowest
+        .iter()
+        .map(|&i| Item(scaled(stacks.bounds(bounds, i), 1.0 / unit)))
+        .collect();
     let binary = build_binary(&items, leaf_size);
-    let mut tree = widen(&binary, unit);
+    let mut tree = widen(
+        &binary,
+        unit,
+        &stacks,
+        &Leaves {
+            bounds,
+            size: leaf_size as usize,
+        },
+    );
     tree.stack_need = stack_need(&tree);
     tree
+}
+
+/// Boxes around one centre, gathered where there are many: clustering by area merges equal and nested boxes one by one, in
+/// quadratic time. The builder sees one box of each stack.
+struct Stacks {
+    /// The lowest primitive of each stack or the only one, ascending.
+    lowest: Vec<u32>,
+    /// All primitives of real stacks, by the lowest; from small to large.
+    members: HashMap<u32, Vec<u32>>,
+}
+
+impl Stacks {
+    /// This many are left to the builder: the two triangles of an upright rectangle share their box.
+    const HARMLESS: usize = 8;
+
+    fn find(bounds: &[Bounds]) -> Stacks {
+        let center = |i: u32| bounds[i as usize].min * 0.5 + bounds[i as usize].max * 0.5;
+        let mut keys: Vec<(u64, u32)> = (0..bounds.len() as u32).map(|i| (hash(center(i)), i)).collect();
+        keys.par_sort_unstable();
+        let mut members = HashMap::new();
+        let mut covered = Vec::new();
+        for run in keys.chunk_by(|a, b| a.0 == b.0) {
+            if run.len() > Self::HARMLESS {
+                let lowest = run[0].1;
+                let mut stack: Vec<u32> = run
+                    .iter()
+                    .map(|k| k.1)
+                    .filter(|&i| center(i) == center(lowest))
+                    .collect();
+                covered.extend_from_slice(&stack[1..]);
+                let extent = |i: u32| bounds[i as usize].max - bounds[i as usize].min;
+                stack.sort_by(|&a, &b| {
+                    extent(a)
+                        .max_element()
+                        .total_cmp(&extent(b).max_element())
+                        .then(a.cmp(&b))
+                });
+                members.insert(lowest, stack);
+            }
+        }
+        covered.sort_unstable();
+        let is_lowest = |i: &u32| covered.is_empty() || covered.binary_search(i).is_err();
+        Stacks {
+            lowest: (0..bounds.len() as u32).filter(is_lowest).collect(),
+            members,
+        }
+    }
+
+    /// The box of a stack or single primitive.
+    fn bounds(&self, bounds: &[Bounds], lowest: u32) -> Bounds {
+        match self.members.get(&lowest) {
+            Some(stack) => union(stack, bounds),
+            None => bounds[lowest as usize],
+        }
+    }
+
+    /// The primitives behind the builder's items.
+    fn primitives(&self, items: &[u32]) -> Vec<u32> {
+        let mut all = Vec::with_capacity(items.len());
+        for &item in items {
+            let lowest = self.lowest[item as usize];
+            match self.members.get(&lowest) {
+                Some(stack) => all.extend_from_slice(stack),
+                None => all.push(lowest),
+            }
+        }
+        all
+    }
+}
+
+fn union(primitives: &[u32], bounds: &[Bounds]) -> Bounds {
+    let each = primitives.iter().map(|&i| bounds[i as usize]);
+    each.fold(Bounds::EMPTY, Bounds::union)
+}
+
+fn hash(center: glam::Vec3) -> u64 {
+    center.to_array().into_iter().fold(0xCBF2_9CE4_8422_2325, |h: u64, x| {
+        (h ^ u64::from(x.to_bits()))
+            .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            .rotate_left(29)
+    })
 }
 
 /// The largest power of two not above a positive finite number.
@@ -72,7 +168,7 @@ fn build_binary(items: &[Item], leaf_size: u32) -> Bvh2 {
 }
 
 /// Pulls grandchildren up until each node has eight children, opening the largest first.
-fn widen(binary: &Bvh2, unit: f64) -> Tree {
+fn widen(binary: &Bvh2, unit: f64, stacks: &Stacks, leaves: &Leaves) -> Tree {
     let mut tree = Tree::default();
     let box_of = |i: usize| {
         let b = binary.nodes[i].aabb();
@@ -102,23 +198,47 @@ fn widen(binary: &Bvh2, unit: f64) -> Tree {
             children[count] = first + 1;
             count += 1;
         }
-        let mut node = Node::EMPTY;
+        tree.nodes.push(Node::EMPTY);
         for (slot, &child) in children[..count].iter().enumerate() {
             let from = &binary.nodes[child];
             let reference = if from.is_leaf() {
                 let first = from.first_index as usize;
-                tree.leaves
-                    .push(binary.primitive_indices[first..first + from.prim_count as usize].to_vec());
-                LEAF | (tree.leaves.len() - 1) as u32
+                let items = &binary.primitive_indices[first..first + from.prim_count as usize];
+                leaves.add(&mut tree, &stacks.primitives(items))
             } else {
                 work.push((child, Some((index, slot))));
                 u32::MAX
             };
-            node.set(slot, box_of(child), reference);
+            tree.nodes[index].set(slot, box_of(child), reference);
         }
-        tree.nodes.push(node);
     }
     tree
+}
+
+/// How leaves are made.
+struct Leaves<'a> {
+    bounds: &'a [Bounds],
+    /// Most primitives of one.
+    size: usize,
+}
+
+impl Leaves<'_> {
+    /// A leaf, or where the primitives are too many for one, nodes above evenly filled leaves (depth log₈ of their number).
+    fn add(&self, tree: &mut Tree, primitives: &[u32]) -> u32 {
+        let size = self.size.max(1);
+        if primitives.len() <= size {
+            tree.leaves.push(primitives.to_vec());
+            return LEAF | (tree.leaves.len() - 1) as u32;
+        }
+        let index = tree.nodes.len();
+        tree.nodes.push(Node::EMPTY);
+        let share = primitives.len().div_ceil(WIDTH).max(size);
+        for (slot, part) in primitives.chunks(share).enumerate() {
+            let child = self.add(tree, part);
+            tree.nodes[index].set(slot, union(part, self.bounds), child);
+        }
+        index as u32
+    }
 }
 
 /// Each level leaves at most seven siblings waiting.
