@@ -204,7 +204,7 @@ impl Bsdf {
         match self {
             Bsdf::Black => Vec3::ZERO,
             Bsdf::Diffuse(b) => b.albedo,
-            Bsdf::OrenNayar(b) => b.albedo,
+            Bsdf::OrenNayar(b) => b.albedo(wo),
             Bsdf::Specular(b) => b.reflectance(wo.z.abs()),
             Bsdf::Glass(b) => {
                 let r = fresnel_dielectric(wo.z.abs(), b.eta_towards(wo));

@@ -93,7 +93,7 @@ impl RoughGlass {
         let denominator = im + om / eta;
         let jacobian = -im / (denominator * denominator);
         let d = self.ggx.d(m);
-        let f = t * d * self.ggx.g2_over_cosines(wo, wi) * om * jacobian * -wi.z / (eta * eta);
+        let f = t * d * self.ggx.g2_over_cosine(wo, wi) * om * jacobian / (eta * eta);
         (f, t * self.ggx.pdf_visible(wo, m) * jacobian)
     }
 
