@@ -75,12 +75,6 @@ impl Ggx {
         if d > 0.0 { 2.0 * (ci / d) } else { 0.0 }
     }
 
-    /// G1(w)/|cosθ|.
-    pub fn g1_over_cosine(self, w: Vec3) -> f32 {
-        let d = w.z.abs() + self.stretched(w);
-        if d > 0.0 { 2.0 / d } else { 0.0 }
-    }
-
     /// A normal among those seen from `w` (w.z ≥ 0).
     /// Source: Dupuy & Benyoub, Sampling Visible GGX Normals with Spherical Caps, 2023; 1 − z² is formed as a product.
     pub fn sample_visible(self, w: Vec3, u: Vec2) -> Vec3 {

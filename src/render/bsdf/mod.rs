@@ -214,8 +214,8 @@ impl Bsdf {
                 let r = b.reflectance(wo.z.abs());
                 r + b.color * (Vec3::ONE - r)
             }
-            Bsdf::RoughGlass(b) => b.color,
-            Bsdf::RoughThinGlass(b) => b.color,
+            Bsdf::RoughGlass(b) => b.albedo(wo),
+            Bsdf::RoughThinGlass(b) => b.albedo(wo),
             Bsdf::Glossy(b) => b.albedo(wo),
             Bsdf::SmoothCoat(b) => b.albedo(wo),
             Bsdf::Metal(b) => b.albedo(wo),
