@@ -79,26 +79,41 @@ impl OrenNayar {
         self.scale() * (1.0 + self.r * INV_PI * g)
     }
 
+    /// Mean of [`OrenNayar::albedo_single`] over views.
+    fn mean_single(&self) -> f32 {
+        const C2: f32 = 2.0 / 3.0 - 28.0 / (15.0 * std::f32::consts::PI);
+        self.scale() * (1.0 + C2 * self.r)
+    }
+
+    /// Colour of light that left after several facets.
+    fn multiple_tint(&self) -> Vec3 {
+        let mean = self.mean_single();
+        self.albedo * self.albedo * mean / (Vec3::ONE - self.albedo * (1.0 - mean))
+    }
+
+    /// Directional albedo.
+    pub fn albedo(&self, wo: Vec3) -> Vec3 {
+        let single = self.albedo_single(wo.z.abs());
+        self.albedo * single + self.multiple_tint() * (1.0 - single).max(0.0)
+    }
+
     /// f·|cosθi| and the density of `wi`.
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         if !on_same_side(wo, wi) {
             return (Vec3::ZERO, 0.0);
         }
-        const C2: f32 = 2.0 / 3.0 - 28.0 / (15.0 * std::f32::consts::PI);
         let (co, ci) = (wo.z.abs(), wi.z.abs());
         let pdf = ci * INV_PI;
         let s = wo.x * wi.x + wo.y * wi.y;
         let s_over_t = if s > 0.0 { s / co.max(ci) } else { s };
         let single = self.scale() * (1.0 + self.r * s_over_t);
-        let average = self.scale() * (1.0 + C2 * self.r);
-        let lost = 1.0 - average;
+        let lost = 1.0 - self.mean_single();
         let multiple = if lost > 0.0 {
             (1.0 - self.albedo_single(co)).max(0.0) * (1.0 - self.albedo_single(ci)).max(0.0) / lost
         } else {
             0.0
         };
-        let tint = self.albedo * self.albedo * average / (Vec3::ONE - self.albedo * lost);
-        ((self.albedo * single + tint * multiple) * pdf, pdf)
+        ((self.albedo * single + self.multiple_tint() * multiple) * pdf, pdf)
     }
 
     /// A direction by the cosine.

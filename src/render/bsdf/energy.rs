@@ -3,21 +3,22 @@
 //! What single scattering loses, light that meets several facets carries: the lobes add it back with these numbers
 //! (Kulla & Conty, Revisiting Physically Based Shading at Imageworks, 2017), so that white surfaces stay white.
 //! The tables are computed once, on first use, by a fixed quadrature over visible normals, the same on every machine.
-//! Axes are stretched to where the functions bend: t with cosθ = t², roughness = √α, z = (η−1)/(η+1) of the index.
+//! Axes are stretched to where the functions bend: t with cosθ = t², roughness = √α, q with q² = (η−1)/(η+1).
 
-use super::fresnel::{fresnel_dielectric, reflect, refract, schlick_weight};
+use super::fresnel::{fresnel_dielectric, schlick_weight};
 use super::microfacet::{ALPHA_DELTA, Ggx};
-use crate::math::robust::{ONE_MINUS, sqrt_of_nonnegative};
+use crate::math::robust::sqrt_of_nonnegative;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
-/// Nodes along the view axis and along the roughness axis.
-const VIEWS: usize = 24;
-const ALPHAS: usize = 16;
-/// Nodes along the axis of indices of the coat's and of the solid's table.
+/// Nodes along the axis of indices.
 const INDICES: usize = 12;
-/// Visible normals per entry.
-const NORMALS: usize = 128;
+/// Nodes along the view axis and the roughness axis, and visible normals per entry: for mirror facets and coats …
+const FINE: usize = 32;
+const FINE_NORMALS: usize = 144;
+/// … and for solids, which cost more to compute.
+const COARSE: usize = 18;
+const COARSE_NORMALS: usize = 233;
 
 /// Where a value lies between the `n` nodes of an axis over [0, 1]; values outside and NaN meet the ends.
 fn locate(x: f32, n: usize) -> (usize, f32) {
@@ -31,33 +32,49 @@ fn lerp(a: f32, b: f32, w: f32) -> f32 {
 }
 
 /// A function of (view cosine, α), and its cosine-weighted mean over views at each α.
-struct Plane {
-    values: [[f32; VIEWS]; ALPHAS],
-    means: [f32; ALPHAS],
+struct Plane<const N: usize> {
+    values: [[f32; N]; N],
+    means: [f32; N],
 }
 
-impl Plane {
-    fn new(values: [[f32; VIEWS]; ALPHAS]) -> Plane {
+impl<const N: usize> Plane<N> {
+    fn new(values: [[f32; N]; N]) -> Plane<N> {
         let means = values.map(|row| mean_over_views(&row));
         Plane { values, means }
     }
 
+    /// The plane of `f` of each value.
+    fn changed(&self, f: impl Fn(Vec3, Ggx, f32) -> f32) -> Plane<N> {
+        let mut values = self.values;
+        for (j, row) in values.iter_mut().enumerate() {
+            for (i, value) in row.iter_mut().enumerate() {
+                let (wo, ggx) = entry::<N>(i, j);
+                *value = f(wo, ggx, *value);
+            }
+        }
+        Plane::new(values)
+    }
+
     fn at(&self, cos: f32, alpha: f32) -> f32 {
-        let (i, w) = locate(cos.max(0.0).sqrt(), VIEWS);
-        let (j, v) = locate(alpha.max(0.0).sqrt(), ALPHAS);
+        let (i, w) = locate(cos.max(0.0).sqrt(), N);
+        let (j, v) = locate(alpha.max(0.0).sqrt(), N);
         let (low, high) = (&self.values[j], &self.values[j + 1]);
         lerp(lerp(low[i], low[i + 1], w), lerp(high[i], high[i + 1], w), v)
     }
 
     fn mean(&self, alpha: f32) -> f32 {
-        let (j, v) = locate(alpha.max(0.0).sqrt(), ALPHAS);
-        lerp(self.means[j], self.means[j + 1], v)
+        mean_at(&self.means, alpha)
     }
 }
 
+fn mean_at<const N: usize>(means: &[f32; N], alpha: f32) -> f32 {
+    let (j, v) = locate(alpha.max(0.0).sqrt(), N);
+    lerp(means[j], means[j + 1], v)
+}
+
 /// 2·∫E(cosθ)·cosθ d cosθ of the interpolated table, exactly: cosθ = t² makes it ∫E(t)·4t³ dt, E linear between nodes.
-fn mean_over_views(row: &[f32; VIEWS]) -> f32 {
-    let n = (VIEWS - 1) as f64;
+fn mean_over_views<const N: usize>(row: &[f32; N]) -> f32 {
+    let n = (N - 1) as f64;
     let mut sum = 0.0;
     for (i, pair) in row.windows(2).enumerate() {
         let (a, b) = (i as f64 / n, (i + 1) as f64 / n);
@@ -69,10 +86,10 @@ fn mean_over_views(row: &[f32; VIEWS]) -> f32 {
 }
 
 /// The view direction and the facets of one entry.
-fn entry(view: usize, alpha: usize) -> (Vec3, Ggx) {
-    let t = view as f32 / (VIEWS - 1) as f32;
+fn entry<const N: usize>(view: usize, alpha: usize) -> (Vec3, Ggx) {
+    let t = view as f32 / (N - 1) as f32;
     let cos = (t * t).max(1e-6); // the limit at grazing
-    let r = alpha as f32 / (ALPHAS - 1) as f32;
+    let r = alpha as f32 / (N - 1) as f32;
     let a = (r * r).max(ALPHA_DELTA);
     (
         Vec3::new(sqrt_of_nonnegative(1.0 - cos * cos), 0.0, cos),
@@ -80,50 +97,59 @@ fn entry(view: usize, alpha: usize) -> (Vec3, Ggx) {
     )
 }
 
-/// Calls `f` with each visible normal; half a turn suffices by symmetry. Source of the points: Roberts' R2 sequence.
-fn for_visible_normals(wo: Vec3, ggx: Ggx, mut f: impl FnMut(Vec3)) {
-    for i in 0..NORMALS {
-        let i = i as f64;
-        let u = (0.5 + 0.754_877_666_246_692_8 * i).fract() * 0.5;
-        let v = (0.5 + 0.569_840_290_998_053_2 * i).fract();
-        f(ggx.sample_visible(wo, Vec2::new(u as f32, (v as f32).min(ONE_MINUS))));
+/// Calls `f` with visible normals and their weights, which add up to 1. Even steps along the polar axis, but denser in
+/// the tail (v = 1 − (1 − s)³), whose few facets lose the light; golden-ratio steps in azimuth, of which half a turn
+/// suffices by symmetry.
+fn for_visible_normals(count: usize, wo: Vec3, ggx: Ggx, mut f: impl FnMut(Vec3, f32)) {
+    for i in 0..count {
+        let u = (0.5 + 0.618_033_988_749_894_9 * i as f64).fract() * 0.5;
+        let rest = 1.0 - (i as f32 + 0.5) / count as f32;
+        let v = 1.0 - rest * rest * rest;
+        f(
+            ggx.sample_visible(wo, Vec2::new(u as f32, v)),
+            3.0 * rest * rest / count as f32,
+        );
     }
 }
 
-/// G2/G1(wo) of a scattered direction: the weight of a visible-normal sample before its reflectance.
-fn weight(ggx: Ggx, wo: Vec3, wi: Vec3) -> f32 {
-    let g1_over_cos = ggx.g1_over_cosine(wo);
-    if g1_over_cos > 0.0 {
-        ggx.g2_over_cosines(wo, wi) * wi.z.abs() / g1_over_cos
-    } else {
-        0.0
+/// G2/G1(wo) of a direction scattered by isotropic facets: the weight of a visible-normal sample before its reflectance.
+/// Only its cosine matters; zero unless positive.
+fn weight(ggx: Ggx, cos_o: f32, cos_i: f32) -> f32 {
+    if cos_i <= 0.0 {
+        return 0.0;
     }
+    let a2 = ggx.ax * ggx.ax;
+    let stretched = |c: f32| (a2 + (1.0 - a2) * c * c).sqrt();
+    let (so, si) = (stretched(cos_o), stretched(cos_i));
+    cos_i * (cos_o + so) / (cos_o * si + cos_i * so)
+}
+
+/// Cosine of the mirror direction of `wo` at a facet.
+fn mirrored_cosine(wo: Vec3, m: Vec3) -> f32 {
+    2.0 * wo.dot(m) * m.z - wo.z
 }
 
 /// Split by Schlick: E = f0·base + f90·edge.
 struct SchlickTables {
-    base: Plane,
-    edge: Plane,
+    base: Plane<FINE>,
+    edge: Plane<FINE>,
 }
 
 static SCHLICK: LazyLock<SchlickTables> = LazyLock::new(|| {
-    let mut base = [[0.0; VIEWS]; ALPHAS];
-    let mut edge = [[0.0; VIEWS]; ALPHAS];
-    for j in 0..ALPHAS {
-        for i in 0..VIEWS {
-            let (wo, ggx) = entry(i, j);
+    let mut base = [[0.0; FINE]; FINE];
+    let mut edge = [[0.0; FINE]; FINE];
+    for j in 0..FINE {
+        for i in 0..FINE {
+            let (wo, ggx) = entry::<FINE>(i, j);
             let (mut b, mut e) = (0.0, 0.0);
-            for_visible_normals(wo, ggx, |m| {
-                let wi = reflect(wo, m);
-                if wi.z > 0.0 {
-                    let w = weight(ggx, wo, wi);
-                    let s = schlick_weight(wo.dot(m));
-                    b += w * (1.0 - s);
-                    e += w * s;
-                }
+            for_visible_normals(FINE_NORMALS, wo, ggx, |m, share| {
+                let w = share * weight(ggx, wo.z, mirrored_cosine(wo, m));
+                let s = schlick_weight(wo.dot(m));
+                b += w * (1.0 - s);
+                e += w * s;
             });
-            base[j][i] = b / NORMALS as f32;
-            edge[j][i] = e / NORMALS as f32;
+            base[j][i] = b;
+            edge[j][i] = e;
         }
     }
     SchlickTables {
@@ -145,94 +171,134 @@ pub fn schlick_mean(alpha: f32) -> (f32, f32) {
     (t.base.mean(alpha), t.edge.mean(alpha))
 }
 
-/// Planes along the axis of indices, z = (η−1)/(η+1) from 0 to 1.
-fn indexed(f: impl Fn(Vec3, Ggx, &[f32; INDICES], &mut [f32; INDICES])) -> Vec<Plane> {
-    let mut etas = [1.0; INDICES];
-    for (k, eta) in etas.iter_mut().enumerate() {
-        let z = k as f32 / (INDICES - 1) as f32;
-        *eta = (1.0 + z) / (1.0 - z); // 1 … ∞
-    }
-    let mut values = vec![[[0.0; VIEWS]; ALPHAS]; INDICES];
-    for j in 0..ALPHAS {
-        for i in 0..VIEWS {
-            let (wo, ggx) = entry(i, j);
+/// An index at each node of its axis: q from 0 to 1 with q² = (η−1)/(η+1), which is 1 … ∞.
+fn index_nodes() -> [f32; INDICES] {
+    std::array::from_fn(|k| {
+        let q = k as f32 / (INDICES - 1) as f32;
+        (1.0 + q * q) / (1.0 - q * q)
+    })
+}
+
+/// Planes at the nodes of the axis of indices; `f` says what a visible normal returns at each.
+fn indexed<const N: usize>(
+    normals: usize,
+    f: impl Fn(Vec3, Ggx, Vec3, &[f32; INDICES]) -> [f32; INDICES],
+) -> Vec<Plane<N>> {
+    let etas = index_nodes();
+    let mut values = vec![[[0.0; N]; N]; INDICES];
+    for j in 0..N {
+        for i in 0..N {
+            let (wo, ggx) = entry::<N>(i, j);
             let mut sums = [0.0; INDICES];
-            f(wo, ggx, &etas, &mut sums);
+            for_visible_normals(normals, wo, ggx, |m, share| {
+                for (sum, value) in sums.iter_mut().zip(f(wo, ggx, m, &etas)) {
+                    *sum += share * value;
+                }
+            });
             for (plane, sum) in values.iter_mut().zip(sums) {
-                plane[j][i] = sum / NORMALS as f32;
+                plane[j][i] = sum;
             }
         }
     }
     values.into_iter().map(Plane::new).collect()
 }
 
-/// z of an index ≥ 1.
-fn index_axis(eta: f32) -> f32 {
+/// (η−1)/(η+1) of an index ≥ 1.
+fn index_ratio(eta: f32) -> f32 {
     if eta.is_finite() {
-        (eta - 1.0) / (eta + 1.0)
+        ((eta - 1.0) / (eta + 1.0)).max(0.0)
     } else {
         1.0
     }
 }
 
-fn at_index(planes: &[Plane], eta: f32, f: impl Fn(&Plane) -> f32) -> f32 {
-    let (k, w) = locate(index_axis(eta), INDICES);
+/// Interpolates between the planes around an index.
+fn at_index<T>(planes: &[T], eta: f32, f: impl Fn(&T) -> f32) -> f32 {
+    let (k, w) = locate(index_ratio(eta).sqrt(), INDICES);
     match planes.get(k..k + 2) {
         Some([a, b]) => lerp(f(a), f(b), w),
         _ => 0.0,
     }
 }
 
-/// Reflection of rough dielectric facets seen from outside.
-static COAT: LazyLock<Vec<Plane>> = LazyLock::new(|| {
-    indexed(|wo, ggx, etas, sums| {
-        for_visible_normals(wo, ggx, |m| {
-            let wi = reflect(wo, m);
-            if wi.z > 0.0 {
-                let w = weight(ggx, wo, wi);
-                for (sum, &eta) in sums.iter_mut().zip(etas) {
-                    *sum += w * fresnel_dielectric(wo.dot(m).max(0.0), eta);
-                }
-            }
-        });
-    })
+/// What a coat reflects beyond [`typical_reflectance`] times white facets' albedo, and all it reflects.
+struct CoatTables {
+    beyond: Vec<Plane<FINE>>,
+    /// By index and α: the mean of all it reflects beyond white facets' mean times the smooth coat's mean.
+    means_beyond: Vec<[f32; FINE]>,
+}
+
+/// Reflectance at the mean cosine between view and visible facets, (cosθ + |stretched w|)/2. Times the albedo of white
+/// facets it bends with the index as the coat's albedo does, so that little is left to be interpolated.
+pub fn typical_reflectance(cos: f32, alpha: f32, eta: f32) -> f32 {
+    let stretched = (cos * cos + alpha * alpha * (1.0 - cos * cos)).max(0.0).sqrt();
+    fresnel_dielectric((0.5 * (cos + stretched)).min(1.0), eta)
+}
+
+static COAT: LazyLock<CoatTables> = LazyLock::new(|| {
+    let all = indexed::<FINE>(FINE_NORMALS, |wo, ggx, m, etas| {
+        let w = weight(ggx, wo.z, mirrored_cosine(wo, m));
+        etas.map(|eta| w * fresnel_dielectric(wo.dot(m).max(0.0), eta))
+    });
+    let beyond = all.iter().zip(index_nodes()).map(|(plane, eta)| {
+        plane.changed(|wo, ggx, value| {
+            let (base, edge) = schlick_albedo(wo.z, ggx.ax);
+            value - (base + edge) * typical_reflectance(wo.z, ggx.ax, eta)
+        })
+    });
+    let beyond = beyond.collect();
+    let white = &*SCHLICK;
+    let means_beyond = all.iter().zip(index_nodes()).map(|(plane, eta)| {
+        std::array::from_fn(|j| plane.means[j] - (white.base.means[j] + white.edge.means[j]) * fresnel_mean(eta))
+    });
+    CoatTables {
+        beyond,
+        means_beyond: means_beyond.collect(),
+    }
 });
 
 /// Albedo of the reflection of a rough dielectric of index `eta` ≥ 1 (relative, seen from the thinner side).
 pub fn coat_albedo(cos: f32, alpha: f32, eta: f32) -> f32 {
-    at_index(&COAT, eta, |p| p.at(cos, alpha))
+    let (base, edge) = schlick_albedo(cos, alpha);
+    (base + edge) * typical_reflectance(cos, alpha, eta) + at_index(&COAT.beyond, eta, |p| p.at(cos, alpha))
 }
 
 /// Cosine-weighted mean over views of [`coat_albedo`].
 pub fn coat_mean(alpha: f32, eta: f32) -> f32 {
-    at_index(&COAT, eta, |p| p.mean(alpha))
+    let (base, edge) = schlick_mean(alpha);
+    (base + edge) * fresnel_mean(eta) + at_index(&COAT.means_beyond, eta, |means| mean_at(means, alpha))
 }
 
-/// Reflection plus transmission (as flux) of rough dielectric facets: entering the denser side, and leaving it.
+/// Reflection plus transmission (as flux) of rough dielectric facets beyond the albedo of white mirror facets, which
+/// follows the steep loss at grazing views: entering the denser side, and leaving it.
 struct SolidTables {
-    entering: Vec<Plane>,
-    leaving: Vec<Plane>,
-}
-
-fn solid_albedo_sum(wo: Vec3, ggx: Ggx, eta: f32, m: Vec3) -> f32 {
-    let r = fresnel_dielectric(wo.dot(m).max(0.0), eta);
-    let wi = reflect(wo, m);
-    let mut sum = if wi.z > 0.0 { r * weight(ggx, wo, wi) } else { 0.0 };
-    if let Some(wi) = refract(wo, m, eta).filter(|wi| wi.z < 0.0) {
-        sum += (1.0 - r) * weight(ggx, wo, wi);
-    }
-    sum
+    entering: Vec<Plane<COARSE>>,
+    leaving: Vec<Plane<COARSE>>,
 }
 
 static SOLID: LazyLock<SolidTables> = LazyLock::new(|| {
     let table = |leaving: bool| {
-        indexed(|wo, ggx, etas, sums| {
-            for_visible_normals(wo, ggx, |m| {
-                for (sum, &eta) in sums.iter_mut().zip(etas) {
-                    *sum += solid_albedo_sum(wo, ggx, if leaving { 1.0 / eta } else { eta }, m);
+        let planes = indexed::<COARSE>(COARSE_NORMALS, move |wo, ggx, m, etas| {
+            let cos = wo.dot(m).max(0.0);
+            let reflected = weight(ggx, wo.z, mirrored_cosine(wo, m));
+            etas.map(|eta| {
+                let eta = if leaving { 1.0 / eta } else { eta };
+                let k = (eta - 1.0) * (eta + 1.0) + cos * cos;
+                if !(k >= 0.0 && k.is_finite() && eta > 0.0) {
+                    return reflected;
                 }
-            });
-        })
+                let r = fresnel_dielectric(cos, eta);
+                let refracted = weight(ggx, wo.z, (wo.z - m.z * (cos - k.sqrt())) / eta);
+                r * reflected + (1.0 - r) * refracted
+            })
+        });
+        let beyond = planes.into_iter().map(|plane| {
+            plane.changed(|wo, ggx, value| {
+                let (base, edge) = schlick_albedo(wo.z, ggx.ax);
+                value - base - edge
+            })
+        });
+        beyond.collect()
     };
     SolidTables {
         entering: table(false),
@@ -240,7 +306,7 @@ static SOLID: LazyLock<SolidTables> = LazyLock::new(|| {
     }
 });
 
-fn solid_planes(eta: f32) -> (&'static [Plane], f32) {
+fn solid_planes(eta: f32) -> (&'static [Plane<COARSE>], f32) {
     if eta >= 1.0 {
         (&SOLID.entering, eta)
     } else {
@@ -251,13 +317,15 @@ fn solid_planes(eta: f32) -> (&'static [Plane], f32) {
 /// Reflected plus transmitted share of light at a rough dielectric boundary; `eta` = n_t/n_i seen from this side.
 pub fn solid_albedo(cos: f32, alpha: f32, eta: f32) -> f32 {
     let (planes, index) = solid_planes(eta);
-    at_index(planes, index, |p| p.at(cos, alpha))
+    let (base, edge) = schlick_albedo(cos, alpha);
+    base + edge + at_index(planes, index, |p| p.at(cos, alpha))
 }
 
 /// Cosine-weighted mean over views of [`solid_albedo`].
 pub fn solid_mean(alpha: f32, eta: f32) -> f32 {
     let (planes, index) = solid_planes(eta);
-    at_index(planes, index, |p| p.mean(alpha))
+    let (base, edge) = schlick_mean(alpha);
+    base + edge + at_index(planes, index, |p| p.mean(alpha))
 }
 
 /// Cosine-weighted mean reflectance of a smooth dielectric, 2·∫F(cosθ)·cosθ d cosθ, for `eta` ≥ 1.
@@ -277,6 +345,6 @@ pub fn fresnel_mean(eta: f32) -> f32 {
             (sum / f64::from(n)) as f32
         })
     });
-    let (k, w) = locate(index_axis(eta), NODES);
+    let (k, w) = locate(index_ratio(eta), NODES);
     lerp(MEANS[k], MEANS[k + 1], w)
 }

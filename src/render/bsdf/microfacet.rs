@@ -67,18 +67,12 @@ impl Ggx {
         2.0 * self.d(m) * w.dot(m).max(0.0) / (c + self.stretched(w))
     }
 
-    /// G2(wo, wi)/(cosθo·cosθi), height-correlated; either direction may point to the other side.
+    /// G2(wo, wi)/|cosθo|, height-correlated; either direction may point to the other side. At most 2/α.
     /// Source: Heitz, Understanding the Masking-Shadowing Function, JCGT 2014, eq. 99.
-    pub fn g2_over_cosines(self, wo: Vec3, wi: Vec3) -> f32 {
+    pub fn g2_over_cosine(self, wo: Vec3, wi: Vec3) -> f32 {
         let (co, ci) = (wo.z.abs(), wi.z.abs());
         let d = co * self.stretched(wi) + ci * self.stretched(wo);
-        if d > 0.0 { 2.0 / d } else { 0.0 }
-    }
-
-    /// G1(w)/|cosθ|.
-    pub fn g1_over_cosine(self, w: Vec3) -> f32 {
-        let d = w.z.abs() + self.stretched(w);
-        if d > 0.0 { 2.0 / d } else { 0.0 }
+        if d > 0.0 { 2.0 * (ci / d) } else { 0.0 }
     }
 
     /// A normal among those seen from `w` (w.z ≥ 0).
@@ -103,7 +97,7 @@ impl Ggx {
             return (0.0, 0.0, 0.0);
         };
         let d = self.d(m);
-        let f = 0.25 * d * self.g2_over_cosines(wo, wi) * wi.z;
+        let f = 0.25 * d * self.g2_over_cosine(wo, wi);
         let pdf = 0.5 * d / (wo.z + self.stretched(wo));
         (f, pdf, wo.dot(m).clamp(0.0, 1.0))
     }

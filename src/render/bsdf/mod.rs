@@ -222,7 +222,7 @@ impl Bsdf {
         match self {
             Bsdf::Black => Vec3::ZERO,
             Bsdf::Diffuse(b) => b.albedo,
-            Bsdf::OrenNayar(b) => b.albedo,
+            Bsdf::OrenNayar(b) => b.albedo(wo),
             Bsdf::Specular(b) => b.reflectance(wo.z.abs()),
             Bsdf::Glass(b) => {
                 let r = fresnel_dielectric(wo.z.abs(), b.eta_towards(wo));
@@ -232,8 +232,8 @@ impl Bsdf {
                 let r = b.reflectance(wo.z.abs());
                 r + b.color * (Vec3::ONE - r)
             }
-            Bsdf::RoughGlass(b) => b.color,
-            Bsdf::RoughThinGlass(b) => b.color,
+            Bsdf::RoughGlass(b) => b.albedo(wo),
+            Bsdf::RoughThinGlass(b) => b.albedo(wo),
             Bsdf::Glossy(b) => b.albedo(wo),
             Bsdf::SmoothCoat(b) => b.albedo(wo),
             Bsdf::Metal(b) => b.albedo(wo),

@@ -1,7 +1,7 @@
 //! Frosted dielectrics: the boundary of a solid, and the thin sheet.
 
 use super::diffuse::sample_cosine_beside;
-use super::energy::{schlick_albedo, schlick_mean, solid_albedo, solid_mean};
+use super::energy::{schlick_albedo, schlick_mean, solid_albedo, solid_mean, typical_reflectance};
 use super::fresnel::{fresnel_dielectric, reflect, refract, schlick};
 use super::microfacet::Ggx;
 use super::{BsdfSample, facing_up, with_side_of};
@@ -93,7 +93,7 @@ impl RoughGlass {
         let denominator = im + om / eta;
         let jacobian = -im / (denominator * denominator);
         let d = self.ggx.d(m);
-        let f = t * d * self.ggx.g2_over_cosines(wo, wi) * om * jacobian * -wi.z / (eta * eta);
+        let f = t * d * self.ggx.g2_over_cosine(wo, wi) * om * jacobian / (eta * eta);
         (f, t * self.ggx.pdf_visible(wo, m) * jacobian)
     }
 
@@ -118,6 +118,14 @@ impl RoughGlass {
             sample.eta = eta;
         }
         Some(sample)
+    }
+}
+
+impl RoughGlass {
+    /// Directional albedo as flux, with the reflectance of the mean visible facet.
+    pub fn albedo(&self, wo: Vec3) -> Vec3 {
+        let r = typical_reflectance(wo.z.abs(), self.ggx.alpha(), self.eta_towards(wo));
+        Vec3::splat(r) + self.color * (1.0 - r)
     }
 }
 
@@ -189,5 +197,12 @@ impl RoughThinGlass {
             }
         };
         BsdfSample::from_eval(with_side_of(wo, wi), |wi| self.eval_pdf(wo, wi))
+    }
+
+    /// Directional albedo, light of several facets estimated as passing.
+    pub fn albedo(&self, wo: Vec3) -> Vec3 {
+        let (base, edge) = schlick_albedo(wo.z.abs(), self.ggx.alpha());
+        let r = self.f0 * base + Vec3::splat(self.f90 * edge);
+        r + self.color * (Vec3::ONE - r)
     }
 }
