@@ -51,7 +51,7 @@ impl DiscLight {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end(t, at.p, q),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.prim,
             b: Vec2::ZERO,

@@ -158,11 +158,11 @@ pub(crate) struct Aim {
     pub casts_shadow: bool,
 }
 
-/// The end of a shadow ray to the point `q` at distance `t`: shorter by a bound on the rounding of t itself (γ(8)) and
-/// of the coordinates on both sides (γ(4) of the largest of p and q), so that what lies behind the light never blocks.
-pub(crate) fn shadow_end(t: f64, p: Vec3, q: DVec3) -> f32 {
-    let size = p.abs().max_element().max(q.abs().max_element() as f32);
-    (t as f32) * (1.0 - gamma(8)) - gamma(4) * size
+/// The end of a shadow ray from `p` to a point at distance `t`: shorter by a bound on the rounding of t itself (γ(8))
+/// and of the coordinates at both ends (γ(4) of the larger, which is at most |p| + t), so that what lies behind the
+/// light never blocks.
+pub(crate) fn shadow_end(t: f32, p: Vec3) -> f32 {
+    t * (1.0 - gamma(12)) - gamma(4) * p.abs().max_element()
 }
 
 /// Converts a density in f64 to f32: `None` unless it is positive and finite there.

@@ -44,7 +44,7 @@ impl ParallelogramLight {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end(t, at.p, q),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.prim,
             b: u,
