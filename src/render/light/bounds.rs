@@ -152,6 +152,35 @@ impl LightBounds {
         }
     }
 
+    /// The same bounds as seen from outside, by their bounding sphere.
+    pub fn cluster(&self) -> Cluster {
+        Cluster {
+            center: (self.min + self.max) * 0.5,
+            radius: ((self.max - self.min) * 0.5).length(),
+            axis: self.axis,
+            cos_o: self.cos_o,
+            sin_o: sine(self.cos_o),
+            cos_e: self.cos_e,
+            intensity: self.intensity,
+            two_sided: self.two_sided,
+        }
+    }
+}
+
+/// [`LightBounds`] in the form that is evaluated at receivers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cluster {
+    center: Vec3,
+    radius: f32,
+    axis: Vec3,
+    cos_o: f32,
+    sin_o: f32,
+    cos_e: f32,
+    intensity: f32,
+    two_sided: bool,
+}
+
+impl Cluster {
     /// An estimate of the irradiance that lights with 1/r² bring to the receiver, ≥ 0 and finite; 0 only if they
     /// bring none.
     pub fn importance(&self, at: &Receiver) -> f32 {
@@ -168,23 +197,24 @@ impl LightBounds {
         if self.intensity <= 0.0 {
             return None;
         }
-        let to_center = (self.min + self.max) * 0.5 - at.p;
-        let r2 = ((self.max - self.min) * 0.5).length_squared();
+        let to_center = self.center - at.p;
+        let r2 = self.radius * self.radius;
         let d2 = to_center.length_squared();
         if d2 <= r2 * (1.0 + SLACK) || d2 == 0.0 {
             // Inside the bounding sphere nothing is known about directions.
             return Some(View { factor: 1.0, d2: r2 });
         }
-        let wi = to_center / d2.sqrt();
+        let d = d2.sqrt();
+        let wi = to_center / d;
         // The angle θb under which the bounding sphere is seen.
-        let sin2_b = r2 / d2;
-        let (sin_b, cos_b) = (sin2_b.sqrt(), sqrt_of_nonnegative(1.0 - sin2_b));
+        let sin_b = self.radius / d;
+        let cos_b = sqrt_of_nonnegative(1.0 - sin_b * sin_b);
         // How far any emitter's normal is from pointing here: at least θ − θo − θb.
         let cos_w = -self.axis.dot(wi);
         let cos_w = if self.two_sided { cos_w.abs() } else { cos_w };
-        let (sin_w, sin_o) = (sine(cos_w), sine(self.cos_o));
-        let cos_x = cos_of_difference(sin_w, cos_w, sin_o, self.cos_o);
-        let sin_x = sine_of_difference(sin_w, cos_w, sin_o, self.cos_o);
+        let sin_w = sine(cos_w);
+        let cos_x = cos_of_difference(sin_w, cos_w, self.sin_o, self.cos_o);
+        let sin_x = sine_of_difference(sin_w, cos_w, self.sin_o, self.cos_o);
         let cos_l = cos_of_difference(sin_x, cos_x, sin_b, cos_b) + SLACK;
         if cos_l <= self.cos_e {
             return None;

@@ -6,7 +6,8 @@ use crate::math::portable::sin_cos_turns;
 use crate::math::warp::{INV_PI, cosine_hemisphere, uniform_sphere};
 use crate::render::ray::PrimRef;
 use glam::{DVec3, Vec2, Vec3};
-use std::f64::consts::TAU;
+
+const INV_TAU: f64 = 1.0 / std::f64::consts::TAU;
 
 /// A sphere that emits. Seen from outside, directions are uniform over its cone. From inside every direction meets
 /// it: if its inside emits (`two_sided`), directions are uniform over the sphere of directions, or cosine distributed
@@ -36,10 +37,11 @@ impl SphereLight {
         (to_center, d2, d2 - self.radius * self.radius)
     }
 
-    /// 1 − cos of the half angle of the cone, in (0, 1]: from the sine s = R/d, 1 − c = s²/(1 + c) has all its digits
-    /// for tiny far spheres, where the cosine has none; c² = (d² − R²)/d² has them for huge near ones.
-    fn one_minus_cos(&self, d2: f64, power: f64) -> f64 {
-        self.radius * self.radius / (d2 + (d2 * power).sqrt())
+    /// Solid angle of the cone over 2π, which is 1 − cos of its half angle, inverted: with s = R/d and c² = 1 − s²,
+    /// 1/(1 − c) = (1 + c)/s² has all its digits for tiny far spheres, whose cosine has none left, and
+    /// c² = (d² − R²)/d² has them for huge near ones.
+    fn inverse_one_minus_cos(&self, d2: f64, power: f64) -> f64 {
+        (d2 + (d2 * power).sqrt()) / (self.radius * self.radius)
     }
 
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
@@ -47,12 +49,12 @@ impl SphereLight {
         if power < 0.0 || d2 == 0.0 {
             return self.sample_from_inside(at, u);
         }
-        let one_minus_cos = self.one_minus_cos(d2, power);
-        let pdf = usable_pdf(1.0 / (TAU * one_minus_cos))?;
+        let inverse = self.inverse_one_minus_cos(d2, power);
+        let pdf = usable_pdf(inverse * INV_TAU)?;
         let d = d2.sqrt();
         let axis = (to_center / d).as_vec3();
         // A direction uniform over the cone; the sine comes from 1 − cos, never from the cosine.
-        let x = one_minus_cos as f32;
+        let x = (1.0 / inverse) as f32;
         let ux = u.x * x;
         let (cos, sin) = (1.0 - ux, (ux * (2.0 - ux)).sqrt());
         let (sin_phi, cos_phi) = sin_cos_turns(u.y);
@@ -105,7 +107,7 @@ impl SphereLight {
         if power < 0.0 || d2 == 0.0 {
             return if self.two_sided { inside_pdf(at, wi) } else { 0.0 };
         }
-        usable_pdf(1.0 / (TAU * self.one_minus_cos(d2, power))).unwrap_or(0.0)
+        usable_pdf(self.inverse_one_minus_cos(d2, power) * INV_TAU).unwrap_or(0.0)
     }
 }
 

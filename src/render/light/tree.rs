@@ -6,15 +6,15 @@
 //! Source: Conty Estevez & Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018; PBRT-4 §12.6.3.
 
 use super::Receiver;
-use super::bounds::LightBounds;
+use super::bounds::{Cluster, LightBounds};
 use super::choice::remap;
 use glam::Vec3;
 
-/// A node; its first child follows it.
+/// A node; its two children stand side by side.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    bounds: LightBounds,
-    /// The light of a leaf with [`LEAF`] set, else the index of the second child.
+    cluster: Cluster,
+    /// The light of a leaf with [`LEAF`] set, else the index of the first child.
     link: u32,
 }
 
@@ -69,7 +69,7 @@ impl LightTree {
             })
             .collect();
         let mut tree = LightTree {
-            nodes: Vec::with_capacity((2 * items.len()).saturating_sub(1)),
+            nodes: Vec::new(),
             paths: vec![NOT_HERE; bounds.len()],
             length_scale,
             irradiance_scale: f64::from(length_scale) * f64::from(length_scale) / f64::from(intensity_scale),
@@ -78,67 +78,72 @@ impl LightTree {
         tree
     }
 
-    /// Builds top-down with a stack of our own, then bounds bottom-up.
+    /// Builds top-down with a stack of our own, then bounds bottom-up: children always come after their parent.
     fn build(&mut self, items: &mut [Item]) {
         struct Task {
+            node: usize,
             start: usize,
             end: usize,
             depth: u32,
             path: u64,
-            /// The node whose second child this is.
-            parent: Option<usize>,
         }
         if items.is_empty() {
             return;
         }
+        let count = 2 * items.len() - 1;
+        let mut bounds = Vec::with_capacity(count);
+        let mut links = Vec::with_capacity(count);
+        bounds.push(LightBounds::DARK);
+        links.push(0u32);
         let mut stack = vec![Task {
+            node: 0,
             start: 0,
             end: items.len(),
             depth: 0,
             path: 0,
-            parent: None,
         }];
         while let Some(task) = stack.pop() {
-            let index = self.nodes.len();
-            if let Some(parent) = task.parent {
-                self.nodes[parent].link = index as u32;
-            }
             let list = &mut items[task.start..task.end];
             if let [item] = list {
-                self.nodes.push(Node {
-                    bounds: item.bounds,
-                    link: item.light | LEAF,
-                });
+                bounds[task.node] = item.bounds;
+                links[task.node] = item.light | LEAF;
                 self.paths[item.light as usize] = task.path | 1 << task.depth;
                 continue;
             }
-            self.nodes.push(Node {
-                bounds: LightBounds::DARK,
-                link: 0,
-            });
             let middle = task.start + split(list, task.depth);
+            let first = bounds.len();
+            links[task.node] = first as u32;
+            for _ in 0..2 {
+                bounds.push(LightBounds::DARK);
+                links.push(0);
+            }
             let depth = task.depth + 1;
             stack.push(Task {
+                node: first + 1,
                 start: middle,
                 end: task.end,
                 depth,
                 path: task.path | 1 << task.depth,
-                parent: Some(index),
             });
             stack.push(Task {
+                node: first,
                 start: task.start,
                 end: middle,
                 depth,
                 path: task.path,
-                parent: None,
             });
         }
-        for i in (0..self.nodes.len()).rev() {
-            let node = self.nodes[i];
-            if node.link & LEAF == 0 {
-                self.nodes[i].bounds = self.nodes[i + 1].bounds.union(&self.nodes[node.link as usize].bounds);
+        for i in (0..bounds.len()).rev() {
+            if links[i] & LEAF == 0 {
+                let first = links[i] as usize;
+                bounds[i] = bounds[first].union(&bounds[first + 1]);
             }
         }
+        let node = |(b, &link): (&LightBounds, &u32)| Node {
+            cluster: b.cluster(),
+            link,
+        };
+        self.nodes = bounds.iter().zip(&links).map(node).collect();
     }
 
     fn localize(&self, at: &Receiver) -> Receiver {
@@ -153,14 +158,14 @@ impl LightTree {
         let importance = self
             .nodes
             .first()
-            .map_or(0.0, |n| n.bounds.importance(&self.localize(at)));
+            .map_or(0.0, |n| n.cluster.importance(&self.localize(at)));
         f64::from(importance) * self.irradiance_scale
     }
 
-    /// Probability of the first child; `None` if neither can contribute.
-    fn first_branch(&self, node: usize, at: &Receiver) -> Option<f32> {
-        let first = self.nodes[node + 1].bounds.importance(at);
-        let second = self.nodes[self.nodes[node].link as usize].bounds.importance(at);
+    /// Probability of the first of two children; `None` if neither can contribute.
+    fn first_branch(&self, children: usize, at: &Receiver) -> Option<f32> {
+        let first = self.nodes[children].cluster.importance(at);
+        let second = self.nodes[children + 1].cluster.importance(at);
         match (first > 0.0, second > 0.0) {
             (false, false) => None,
             (true, false) => Some(1.0),
@@ -178,15 +183,15 @@ impl LightTree {
             if link & LEAF != 0 {
                 return Some((link & !LEAF, probability));
             }
-            let first = self.first_branch(node, &at)?;
+            let first = self.first_branch(link as usize, &at)?;
             if u < f64::from(first) {
                 u = remap(u, 0.0, f64::from(first));
                 probability *= first;
-                node += 1;
+                node = link as usize;
             } else {
                 u = remap(u, f64::from(first), 1.0);
                 probability *= 1.0 - first;
-                node = link as usize;
+                node = link as usize + 1;
             }
         }
     }
@@ -202,15 +207,16 @@ impl LightTree {
         let at = self.localize(at);
         let (mut node, mut probability, mut path) = (0usize, 1.0f32, path);
         while path != 1 {
-            let Some(first) = self.first_branch(node, &at) else {
+            let children = self.nodes[node].link as usize;
+            let Some(first) = self.first_branch(children, &at) else {
                 return 0.0;
             };
             if path & 1 == 0 {
                 probability *= first;
-                node += 1;
+                node = children;
             } else {
                 probability *= 1.0 - first;
-                node = self.nodes[node].link as usize;
+                node = children + 1;
             }
             if probability == 0.0 {
                 return 0.0;
