@@ -1,6 +1,6 @@
 //! The emitting disc, ellipse or ring.
 
-use super::triangle::FlatTarget;
+use super::flat::FlatTarget;
 use super::{Aim, HitOnLight, Receiver, shadow_end};
 use crate::math::warp::disc_concentric;
 use crate::render::ray::PrimRef;

@@ -147,8 +147,8 @@ impl LightSet {
         let at = Receiver { p, n, two_sided };
         let pdf = match self.lights.get(light as usize) {
             Some(Light::Sphere(l)) => l.pdf(&at, wi),
-            Some(Light::Triangle(l)) => l.pdf(wi, hit),
-            Some(Light::Parallelogram(l)) => l.pdf(wi, hit),
+            Some(Light::Triangle(l)) => l.pdf(&at, wi, hit),
+            Some(Light::Parallelogram(l)) => l.pdf(&at, wi, hit),
             Some(Light::Disc(l)) => l.pdf(wi, hit),
             Some(Light::Environment(l)) => l.pdf(&at, wi),
             Some(Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_)) | None => return 0.0,

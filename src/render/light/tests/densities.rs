@@ -112,6 +112,18 @@ fn flat_lights_have_the_density_they_state() {
     );
 }
 
+/// Small enough for sampling by area.
+#[test]
+fn far_flat_lights_have_the_density_they_state() {
+    let (a, b, c) = (
+        Vec3::new(-1.0, -0.5, 9.0),
+        Vec3::new(1.0, -1.0, 8.5),
+        Vec3::new(0.0, 1.0, 9.5),
+    );
+    check("far triangle", vec![triangle(a, c, b, false)], below());
+    check("far parallelogram", vec![parallelogram(a, c - a, b - a)], below());
+}
+
 #[test]
 fn large_near_flat_lights_have_the_density_they_state() {
     let p0 = Vec3::new(-3.0, -3.0, 0.8);
