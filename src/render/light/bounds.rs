@@ -72,6 +72,19 @@ impl LightBounds {
                     f64::from(luminance(l.radiance)) * disc,
                 )
             }
+            Light::SphereCap(l) => {
+                // No point of the cap is farther from its middle than its rim, R·√(2(1 − cos)).
+                let reach = l.sphere.radius * (2.0 * l.one_minus_cos).sqrt();
+                let strength = f64::from(luminance(l.sphere.radiance)) * l.area();
+                let middle = l.sphere.center + l.axis * l.sphere.radius;
+                LightBounds {
+                    axis: l.axis.as_vec3(),
+                    // Rounded down by more than the axis is off.
+                    cos_o: ((1.0 - l.one_minus_cos) as f32 - SLACK).max(-1.0),
+                    two_sided: l.sphere.two_sided,
+                    ..LightBounds::everywhere(middle, DVec3::splat(reach), strength)
+                }
+            }
             Light::Triangle(l) => surface(
                 &[l.p0, l.p0 + l.e1, l.p0 + l.e2],
                 l.normal_twice_area() * 0.5,

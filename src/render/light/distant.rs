@@ -55,7 +55,7 @@ pub(crate) fn is_distant(light: &Light) -> bool {
         Light::Point(l) => other(&l.falloff),
         Light::Spot(l) => other(&l.falloff),
         Light::Area(l) => other(&l.falloff),
-        Light::Sphere(_) | Light::Triangle(_) | Light::Parallelogram(_) | Light::Disc(_) => false,
+        Light::Sphere(_) | Light::SphereCap(_) | Light::Triangle(_) | Light::Parallelogram(_) | Light::Disc(_) => false,
     }
 }
 
@@ -69,7 +69,11 @@ impl DistantLights {
                 Light::Point(l) => (luminance(l.color), l.falloff),
                 Light::Spot(l) => (luminance(l.color), l.falloff),
                 Light::Area(l) => (luminance(l.color), l.falloff),
-                Light::Sphere(_) | Light::Triangle(_) | Light::Parallelogram(_) | Light::Disc(_) => continue,
+                Light::Sphere(_)
+                | Light::SphereCap(_)
+                | Light::Triangle(_)
+                | Light::Parallelogram(_)
+                | Light::Disc(_) => continue,
             };
             let reach = match (light, LightBounds::of(light)) {
                 (Light::Directional(l), _) => Reach::From(-l.direction),

@@ -7,6 +7,7 @@
 //! backdrop belong to the kernel.
 
 mod bounds;
+mod cap;
 mod choice;
 mod disc;
 mod distant;
@@ -24,6 +25,7 @@ mod triangle;
 #[cfg(test)]
 mod tests;
 
+pub use cap::SphereCapLight;
 pub use disc::DiscLight;
 pub use environment::{EnvironmentImage, EnvironmentLight};
 pub use lamp::{AreaLamp, DirectionalLamp, Falloff, PointLamp, SpotLamp, SpotProfile};
@@ -50,6 +52,8 @@ pub enum Light {
     Area(Box<AreaLamp>),
     /// An emitting sphere.
     Sphere(SphereLight),
+    /// An emitting sphere of which only a cap is worth sampling.
+    SphereCap(Box<SphereCapLight>),
     /// An emitting triangle.
     Triangle(TriangleLight),
     /// An emitting parallelogram, for instance a face of a box.
@@ -66,6 +70,7 @@ impl Light {
         match self {
             Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) => true,
             Light::Sphere(_)
+            | Light::SphereCap(_)
             | Light::Triangle(_)
             | Light::Parallelogram(_)
             | Light::Disc(_)

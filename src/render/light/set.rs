@@ -134,6 +134,7 @@ impl LightSet {
             Light::Directional(l) => Some(l.sample()),
             Light::Area(l) => l.sample(at, u),
             Light::Sphere(l) => l.sample(at, u),
+            Light::SphereCap(l) => l.sample(at, u),
             Light::Triangle(l) => l.sample(at, u),
             Light::Parallelogram(l) => l.sample(at, u),
             Light::Disc(l) => l.sample(at, u),
@@ -147,6 +148,7 @@ impl LightSet {
         let at = Receiver { p, n, two_sided };
         let pdf = match self.lights.get(light as usize) {
             Some(Light::Sphere(l)) => l.pdf(&at, wi),
+            Some(Light::SphereCap(l)) => l.pdf(wi, hit),
             Some(Light::Triangle(l)) => l.pdf(&at, wi, hit),
             Some(Light::Parallelogram(l)) => l.pdf(&at, wi, hit),
             Some(Light::Disc(l)) => l.pdf(wi, hit),

@@ -41,6 +41,7 @@ fn mixture() -> Vec<Light> {
             casts_shadows: true,
         })));
         lights.push(sphere(-q * 2.0, 0.5));
+        lights.push(cap(q * 3.0, 1.0, DVec3::new(0.0, -0.6, 0.8), 0.3));
     }
     lights.push(Light::Directional(DirectionalLamp {
         direction: -Vec3::Z,

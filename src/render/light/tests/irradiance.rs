@@ -45,6 +45,18 @@ fn a_disc_gives_its_irradiance_on_the_axis() {
     }
 }
 
+/// A cap that is seen whole covers the same directions as the disc within its rim: E = π·L·ρ²/(ρ² + h²) on the axis.
+/// The second is the lecture's lamp: R = 600, 0.27 below the ceiling, seen from the floor.
+#[test]
+fn a_cap_gives_the_irradiance_of_its_rim() {
+    for (radius, x, middle) in [(10.0, 0.01, 2.0), (600.0, 0.27 / 600.0, 81.33), (1e7, 1e-12, 50.0)] {
+        let light = cap(DVec3::Z * (middle + radius), radius, -DVec3::Z, x);
+        let (rim2, h) = (radius * radius * x * (2.0 - x), middle + radius * x);
+        let exact = PI64 * rim2 / (rim2 + h * h);
+        close("cap", irradiance(&light, Vec3::ZERO, Vec3::Z, 256), exact, 1e-4);
+    }
+}
+
 /// Lambert's formula for a polygon wholly above the horizon: E = L/2·Σ θi·(Γi·n), θi the angle between neighbouring
 /// corners, Γi the unit normal of their plane.
 fn lambert(corners: &[DVec3], n: DVec3) -> f64 {
