@@ -19,6 +19,7 @@ mod parallelogram;
 mod set;
 mod solid_angle;
 mod sphere;
+mod split;
 mod tree;
 mod triangle;
 
@@ -37,7 +38,7 @@ pub use triangle::TriangleLight;
 
 use super::ray::PrimRef;
 use crate::math::robust::gamma;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 /// Something that shines. Emitting surfaces that have no variant here (cones, tori, ellipsoids) are found by hits only.
 #[derive(Clone, Debug)]

@@ -9,6 +9,7 @@ mod spheres;
 
 use super::*;
 use crate::math::frame::Frame;
+use glam::DVec3;
 
 /// A hit of the oracle: distance and unit geometric normal.
 type OracleHit = Option<(f64, DVec3)>;
