@@ -9,6 +9,7 @@
 mod bounds;
 mod cap;
 mod choice;
+mod coincident;
 mod disc;
 mod distant;
 mod environment;

@@ -4,7 +4,7 @@ use super::bounds::LightBounds;
 use super::choice::extend;
 use super::distant::{DistantLights, is_distant, split_number};
 use super::tree::LightTree;
-use super::{Aim, EnvironmentLight, HitOnLight, Light, LightSample, Receiver};
+use super::{Aim, EnvironmentLight, HitOnLight, Light, LightSample, Receiver, coincident};
 use glam::{Vec2, Vec3};
 
 /// The lights of a scene, ready to be sampled.
@@ -31,15 +31,17 @@ struct Choice {
 const MIN_GROUP: f64 = 0.125;
 
 impl LightSet {
-    /// Takes the lights; their indices stay what they are. At most 2³¹ lights.
+    /// Takes the lights; their indices stay what they are. At most 2³¹ lights. Of emitters with exactly the same shape
+    /// and place only the one with the lowest primitive is ever chosen, since rays see only that one.
     pub fn new(lights: Vec<Light>) -> LightSet {
         let choice = (lights.len() > 1).then(|| {
-            let bounds: Vec<Option<LightBounds>> = lights
-                .iter()
-                .map(|l| if is_distant(l) { None } else { LightBounds::of(l) })
-                .collect();
+            let hidden = coincident::hidden(&lights);
+            let near = (0u32..)
+                .zip(lights.iter().zip(&hidden))
+                .filter(|(_, (l, hidden))| !is_distant(l) && !**hidden)
+                .filter_map(|(i, (l, _))| Some((i, LightBounds::of(l)?)));
             Box::new(Choice {
-                tree: LightTree::new(&bounds),
+                tree: LightTree::new(lights.len(), near),
                 distant: DistantLights::new(&lights),
             })
         });

@@ -38,29 +38,31 @@ pub(crate) struct LightTree {
 }
 
 impl LightTree {
-    /// A tree over those of `bounds` that are given; the index is the light's. At most 2³¹ lights.
-    pub fn new(bounds: &[Option<LightBounds>]) -> LightTree {
-        let lit = || bounds.iter().flatten().filter(|b| b.intensity > 0.0);
-        let all = lit().fold((Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0f32), |(lo, hi, i), b| {
-            (lo.min(b.min), hi.max(b.max), i.max(b.intensity))
-        });
-        let length_scale = inverse_power_of_two((all.1 - all.0).max_element());
-        let intensity_scale = inverse_power_of_two(all.2);
+    /// A tree over lights with these indices, all below `count` ≤ 2³¹, and bounds.
+    pub fn new(count: usize, bounds: impl Iterator<Item = (u32, LightBounds)>) -> LightTree {
         let mut items: Vec<Item> = bounds
-            .iter()
-            .enumerate()
-            .filter_map(|(i, b)| {
-                let bounds = (*b)?.scaled(length_scale, intensity_scale);
-                (bounds.intensity > 0.0).then(|| Item {
-                    bounds,
-                    center: (bounds.min + bounds.max) * 0.5,
-                    light: i as u32,
-                })
+            .filter(|(_, b)| b.intensity > 0.0)
+            .map(|(light, bounds)| Item {
+                bounds,
+                center: Vec3::ZERO,
+                light,
             })
             .collect();
+        let all = items
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0f32), |(lo, hi, i), item| {
+                let b = &item.bounds;
+                (lo.min(b.min), hi.max(b.max), i.max(b.intensity))
+            });
+        let length_scale = inverse_power_of_two((all.1 - all.0).max_element());
+        let intensity_scale = inverse_power_of_two(all.2);
+        for item in &mut items {
+            item.bounds = item.bounds.scaled(length_scale, intensity_scale);
+            item.center = (item.bounds.min + item.bounds.max) * 0.5;
+        }
         let mut tree = LightTree {
             nodes: Vec::new(),
-            paths: vec![NOT_HERE; bounds.len()],
+            paths: vec![NOT_HERE; count],
             length_scale,
             irradiance_scale: f64::from(length_scale) * f64::from(length_scale) / f64::from(intensity_scale),
         };
