@@ -12,7 +12,28 @@ const BUCKETS: usize = 12;
 pub(crate) struct Item {
     pub bounds: LightBounds,
     pub center: Vec3,
+    /// The axis times the intensity, shorter for a wide cone: a sum of these is long only if all shine the same way.
+    lean: Vec3,
     pub light: u32,
+}
+
+impl Item {
+    /// A light with its bounds.
+    pub fn new(light: u32, bounds: LightBounds) -> Item {
+        let b = &bounds;
+        let axis = b.axis * (b.intensity * 0.5 * (1.0 + b.cos_o));
+        // For two-sided lights the sign is arbitrary: take it from the largest component.
+        let turn = b.two_sided && {
+            let largest = b.axis.abs().max_position();
+            b.axis[largest] < 0.0
+        };
+        Item {
+            bounds,
+            center: (b.min + b.max) * 0.5,
+            lean: if turn { -axis } else { axis },
+            light,
+        }
+    }
 }
 
 /// One interval of a split candidate.
@@ -33,25 +54,10 @@ impl Bucket {
     };
 
     fn add(&mut self, item: &Item) {
-        let b = &item.bounds;
-        self.min = self.min.min(b.min);
-        self.max = self.max.max(b.max);
-        self.intensity += b.intensity;
-        // The sum of the axes is long only if the lights shine the same way; a wide cone counts as short.
-        let axis = b.axis * (b.intensity * 0.5 * (1.0 + b.cos_o));
-        // For two-sided lights the sign is arbitrary: take it from the axis' largest component.
-        let turn = b.two_sided && {
-            let a = b.axis.abs();
-            let largest = if a.x >= a.y && a.x >= a.z {
-                b.axis.x
-            } else if a.y >= a.z {
-                b.axis.y
-            } else {
-                b.axis.z
-            };
-            largest < 0.0
-        };
-        self.axis += if turn { -axis } else { axis };
+        self.min = self.min.min(item.bounds.min);
+        self.max = self.max.max(item.bounds.max);
+        self.axis += item.lean;
+        self.intensity += item.bounds.intensity;
     }
 
     fn merge(&mut self, other: &Bucket) {
@@ -77,6 +83,9 @@ impl Bucket {
 /// Orders the list so that the first part becomes the first child; returns its length, in 1..len.
 pub(crate) fn split(list: &mut [Item], depth: u32) -> usize {
     let half = list.len() / 2;
+    if list.len() == 2 {
+        return half;
+    }
     let (lo, hi) = list.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| {
         (lo.min(i.center), hi.max(i.center))
     });
@@ -94,15 +103,16 @@ pub(crate) fn split(list: &mut [Item], depth: u32) -> usize {
     }
     // Boxes flat to within a bucket still cost something, or flat groups would all be free.
     let thickness = longest / BUCKETS as f32;
+    let mut buckets = [[Bucket::EMPTY; BUCKETS]; 3];
+    let wide = [0, 1, 2].map(|k| extent[k] > 0.0);
+    for item in list.iter() {
+        for k in (0..3).filter(|&k| wide[k]) {
+            buckets[k][bucket_of(item, k, lo[k], extent[k])].add(item);
+        }
+    }
     let mut best: Option<(f32, usize, usize)> = None;
-    for k in 0..3 {
-        if extent[k] <= 0.0 {
-            continue;
-        }
-        let mut buckets = [Bucket::EMPTY; BUCKETS];
-        for item in list.iter() {
-            buckets[bucket_of(item, k, lo[k], extent[k])].add(item);
-        }
+    for k in (0..3).filter(|&k| wide[k]) {
+        let buckets = &buckets[k];
         let mut below = [0.0f32; BUCKETS];
         let mut sum = Bucket::EMPTY;
         for (b, cost) in buckets.iter().zip(&mut below) {

@@ -40,26 +40,18 @@ pub(crate) struct LightTree {
 impl LightTree {
     /// A tree over lights with these indices, all below `count` ≤ 2³¹, and bounds.
     pub fn new(count: usize, bounds: impl Iterator<Item = (u32, LightBounds)>) -> LightTree {
-        let mut items: Vec<Item> = bounds
-            .filter(|(_, b)| b.intensity > 0.0)
-            .map(|(light, bounds)| Item {
-                bounds,
-                center: Vec3::ZERO,
-                light,
-            })
-            .collect();
-        let all = items
+        let bounds: Vec<(u32, LightBounds)> = bounds.filter(|(_, b)| b.intensity > 0.0).collect();
+        let all = bounds
             .iter()
-            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0f32), |(lo, hi, i), item| {
-                let b = &item.bounds;
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0f32), |(lo, hi, i), (_, b)| {
                 (lo.min(b.min), hi.max(b.max), i.max(b.intensity))
             });
         let length_scale = inverse_power_of_two((all.1 - all.0).max_element());
         let intensity_scale = inverse_power_of_two(all.2);
-        for item in &mut items {
-            item.bounds = item.bounds.scaled(length_scale, intensity_scale);
-            item.center = (item.bounds.min + item.bounds.max) * 0.5;
-        }
+        let mut items: Vec<Item> = bounds
+            .into_iter()
+            .map(|(light, b)| Item::new(light, b.scaled(length_scale, intensity_scale)))
+            .collect();
         let mut tree = LightTree {
             nodes: Vec::new(),
             paths: vec![NOT_HERE; count],
