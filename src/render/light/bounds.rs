@@ -72,6 +72,19 @@ impl LightBounds {
                     f64::from(luminance(l.radiance)) * disc,
                 )
             }
+            Light::SphereCap(l) => {
+                // No point of the cap is farther from its middle than its rim, R·√(2(1 − cos)).
+                let reach = l.sphere.radius * (2.0 * l.one_minus_cos).sqrt();
+                let strength = f64::from(luminance(l.sphere.radiance)) * l.area();
+                let middle = l.sphere.center + l.axis * l.sphere.radius;
+                LightBounds {
+                    axis: l.axis.as_vec3(),
+                    // Rounded down by more than the axis is off.
+                    cos_o: ((1.0 - l.one_minus_cos) as f32 - SLACK).max(-1.0),
+                    two_sided: l.sphere.two_sided,
+                    ..LightBounds::everywhere(middle, DVec3::splat(reach), strength)
+                }
+            }
             Light::Triangle(l) => surface(
                 &[l.p0, l.p0 + l.e1, l.p0 + l.e2],
                 l.normal_twice_area() * 0.5,
@@ -152,6 +165,35 @@ impl LightBounds {
         }
     }
 
+    /// The same bounds as seen from outside, by their bounding sphere.
+    pub fn cluster(&self) -> Cluster {
+        Cluster {
+            center: (self.min + self.max) * 0.5,
+            radius: ((self.max - self.min) * 0.5).length(),
+            axis: self.axis,
+            cos_o: self.cos_o,
+            sin_o: sine(self.cos_o),
+            cos_e: self.cos_e,
+            intensity: self.intensity,
+            two_sided: self.two_sided,
+        }
+    }
+}
+
+/// [`LightBounds`] in the form that is evaluated at receivers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cluster {
+    center: Vec3,
+    radius: f32,
+    axis: Vec3,
+    cos_o: f32,
+    sin_o: f32,
+    cos_e: f32,
+    intensity: f32,
+    two_sided: bool,
+}
+
+impl Cluster {
     /// An estimate of the irradiance that lights with 1/r² bring to the receiver, ≥ 0 and finite; 0 only if they
     /// bring none.
     pub fn importance(&self, at: &Receiver) -> f32 {
@@ -168,23 +210,24 @@ impl LightBounds {
         if self.intensity <= 0.0 {
             return None;
         }
-        let to_center = (self.min + self.max) * 0.5 - at.p;
-        let r2 = ((self.max - self.min) * 0.5).length_squared();
+        let to_center = self.center - at.p;
+        let r2 = self.radius * self.radius;
         let d2 = to_center.length_squared();
         if d2 <= r2 * (1.0 + SLACK) || d2 == 0.0 {
             // Inside the bounding sphere nothing is known about directions.
             return Some(View { factor: 1.0, d2: r2 });
         }
-        let wi = to_center / d2.sqrt();
+        let d = d2.sqrt();
+        let wi = to_center / d;
         // The angle θb under which the bounding sphere is seen.
-        let sin2_b = r2 / d2;
-        let (sin_b, cos_b) = (sin2_b.sqrt(), sqrt_of_nonnegative(1.0 - sin2_b));
+        let sin_b = self.radius / d;
+        let cos_b = sqrt_of_nonnegative(1.0 - sin_b * sin_b);
         // How far any emitter's normal is from pointing here: at least θ − θo − θb.
         let cos_w = -self.axis.dot(wi);
         let cos_w = if self.two_sided { cos_w.abs() } else { cos_w };
-        let (sin_w, sin_o) = (sine(cos_w), sine(self.cos_o));
-        let cos_x = cos_of_difference(sin_w, cos_w, sin_o, self.cos_o);
-        let sin_x = sine_of_difference(sin_w, cos_w, sin_o, self.cos_o);
+        let sin_w = sine(cos_w);
+        let cos_x = cos_of_difference(sin_w, cos_w, self.sin_o, self.cos_o);
+        let sin_x = sine_of_difference(sin_w, cos_w, self.sin_o, self.cos_o);
         let cos_l = cos_of_difference(sin_x, cos_x, sin_b, cos_b) + SLACK;
         if cos_l <= self.cos_e {
             return None;

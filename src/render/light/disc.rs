@@ -1,6 +1,6 @@
 //! The emitting disc, ellipse or ring.
 
-use super::triangle::FlatTarget;
+use super::flat::FlatTarget;
 use super::{Aim, HitOnLight, Receiver, shadow_end};
 use crate::math::warp::disc_concentric;
 use crate::render::ray::PrimRef;
@@ -51,7 +51,7 @@ impl DiscLight {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end(t, at.p, q),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.prim,
             b: Vec2::ZERO,

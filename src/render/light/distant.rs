@@ -3,7 +3,7 @@
 //! A tree that ranks by 1/r² would starve them, so they stand beside it. A few are weighed at each receiver;
 //! many get fixed probabilities.
 
-use super::bounds::{LightBounds, in_range};
+use super::bounds::{Cluster, LightBounds, in_range};
 use super::choice::{Table, remap};
 use super::lamp::Falloff;
 use super::{Light, Receiver};
@@ -25,7 +25,7 @@ enum Reach {
     /// From this unit direction.
     From(Vec3),
     /// From a place.
-    Lamp(LightBounds, Falloff),
+    Lamp(Cluster, Falloff),
 }
 
 #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ pub(crate) fn is_distant(light: &Light) -> bool {
         Light::Point(l) => other(&l.falloff),
         Light::Spot(l) => other(&l.falloff),
         Light::Area(l) => other(&l.falloff),
-        Light::Sphere(_) | Light::Triangle(_) | Light::Parallelogram(_) | Light::Disc(_) => false,
+        Light::Sphere(_) | Light::SphereCap(_) | Light::Triangle(_) | Light::Parallelogram(_) | Light::Disc(_) => false,
     }
 }
 
@@ -69,11 +69,15 @@ impl DistantLights {
                 Light::Point(l) => (luminance(l.color), l.falloff),
                 Light::Spot(l) => (luminance(l.color), l.falloff),
                 Light::Area(l) => (luminance(l.color), l.falloff),
-                Light::Sphere(_) | Light::Triangle(_) | Light::Parallelogram(_) | Light::Disc(_) => continue,
+                Light::Sphere(_)
+                | Light::SphereCap(_)
+                | Light::Triangle(_)
+                | Light::Parallelogram(_)
+                | Light::Disc(_) => continue,
             };
             let reach = match (light, LightBounds::of(light)) {
                 (Light::Directional(l), _) => Reach::From(-l.direction),
-                (_, Some(bounds)) => Reach::Lamp(bounds, falloff),
+                (_, Some(bounds)) => Reach::Lamp(bounds.cluster(), falloff),
                 (_, None) => Reach::Constant,
             };
             let irradiance = if brightness > 0.0 {
@@ -183,7 +187,7 @@ impl Entry {
                 let cos = at.cosine(*wi) + gamma(8);
                 if cos > 0.0 { self.irradiance * cos } else { 0.0 }
             }
-            Reach::Lamp(bounds, falloff) => match bounds.view(at) {
+            Reach::Lamp(cluster, falloff) => match cluster.view(at) {
                 Some(view) => {
                     let by_distance = falloff.irradiance(f64::from(view.d2).sqrt()) * std::f32::consts::FRAC_1_PI;
                     in_range(self.irradiance * view.factor * by_distance).max(f32::MIN_POSITIVE)

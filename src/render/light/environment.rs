@@ -23,7 +23,7 @@ impl EnvironmentLight {
     pub fn radiance(&self, wi: Vec3) -> Vec3 {
         match self {
             EnvironmentLight::Constant(radiance) => *radiance,
-            EnvironmentLight::Image(image) => image.radiance(wi),
+            EnvironmentLight::Image(image) => image.radiance_at(image.place(wi)),
         }
     }
 
@@ -36,18 +36,25 @@ impl EnvironmentLight {
     }
 
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
-        let wi = match self {
-            EnvironmentLight::Constant(_) => match at.one_sided_normal() {
-                Some(n) => Frame::from_normal(n).to_world(cosine_hemisphere(u)),
-                None => uniform_sphere(u),
-            },
-            EnvironmentLight::Image(image) => image.sample(u)?,
+        let (wi, radiance, pdf) = match self {
+            EnvironmentLight::Constant(radiance) => {
+                let wi = match at.one_sided_normal() {
+                    Some(n) => Frame::from_normal(n).to_world(cosine_hemisphere(u)),
+                    None => uniform_sphere(u),
+                };
+                (wi, *radiance, self.pdf(at, wi))
+            }
+            EnvironmentLight::Image(image) => {
+                let wi = image.sample(u)?;
+                // Density and radiance of the direction as it was rounded: they agree with `pdf` and `radiance`
+                // also at the borders of cells.
+                let place = image.place(wi);
+                (wi, image.radiance_at(place), image.pdf_at(place))
+            }
         };
-        // Asking for the density of the rounded direction keeps `sample` and `pdf` equal also at the borders of cells.
-        let pdf = self.pdf(at, wi);
-        (pdf > 0.0 && pdf.is_finite()).then(|| Aim {
+        (pdf > 0.0 && pdf.is_finite()).then_some(Aim {
             wi,
-            radiance: self.radiance(wi),
+            radiance,
             pdf,
             t_max: f32::INFINITY,
             distance: f32::INFINITY,
@@ -64,7 +71,7 @@ impl EnvironmentLight {
                 Some(n) => n.dot(wi).max(0.0) * INV_PI,
                 None => 0.25 * INV_PI,
             },
-            EnvironmentLight::Image(image) => image.pdf(wi),
+            EnvironmentLight::Image(image) => image.pdf_at(image.place(wi)),
         }
     }
 }
@@ -198,8 +205,7 @@ impl EnvironmentImage {
         (i, j)
     }
 
-    fn radiance(&self, wi: Vec3) -> Vec3 {
-        let place = self.place(wi);
+    fn radiance_at(&self, place: (f32, f32)) -> Vec3 {
         let (i, j) = self.cell(place);
         let (w, h) = (self.width as usize, self.height as usize);
         let next = if i + 1 == w { 0 } else { i + 1 };
@@ -245,8 +251,8 @@ impl EnvironmentImage {
         &self.columns[j * w..(j + 1) * w]
     }
 
-    fn pdf(&self, wi: Vec3) -> f32 {
-        let (i, j) = self.cell(self.place(wi));
+    fn pdf_at(&self, place: (f32, f32)) -> f32 {
+        let (i, j) = self.cell(place);
         let counts = self.row_counts(j);
         let all = counts.last().copied().unwrap_or(0);
         if all == 0 {

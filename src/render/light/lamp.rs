@@ -258,7 +258,7 @@ fn aim(
         wi: w.as_vec3(),
         radiance,
         pdf: 1.0,
-        t_max: shadow_end(r, at.p, q),
+        t_max: shadow_end(r as f32, at.p),
         distance: r as f32,
         to: PrimRef::NONE,
         b: Vec2::ZERO,

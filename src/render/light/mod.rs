@@ -7,21 +7,27 @@
 //! backdrop belong to the kernel.
 
 mod bounds;
+mod cap;
 mod choice;
+mod coincident;
 mod disc;
 mod distant;
 mod environment;
+mod flat;
 mod lamp;
 mod mis;
 mod parallelogram;
 mod set;
+mod solid_angle;
 mod sphere;
+mod split;
 mod tree;
 mod triangle;
 
 #[cfg(test)]
 mod tests;
 
+pub use cap::SphereCapLight;
 pub use disc::DiscLight;
 pub use environment::{EnvironmentImage, EnvironmentLight};
 pub use lamp::{AreaLamp, DirectionalLamp, Falloff, PointLamp, SpotLamp, SpotProfile};
@@ -33,7 +39,7 @@ pub use triangle::TriangleLight;
 
 use super::ray::PrimRef;
 use crate::math::robust::gamma;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 /// Something that shines. Emitting surfaces that have no variant here (cones, tori, ellipsoids) are found by hits only.
 #[derive(Clone, Debug)]
@@ -48,6 +54,8 @@ pub enum Light {
     Area(Box<AreaLamp>),
     /// An emitting sphere.
     Sphere(SphereLight),
+    /// An emitting sphere of which only a cap is worth sampling.
+    SphereCap(Box<SphereCapLight>),
     /// An emitting triangle.
     Triangle(TriangleLight),
     /// An emitting parallelogram, for instance a face of a box.
@@ -64,6 +72,7 @@ impl Light {
         match self {
             Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) => true,
             Light::Sphere(_)
+            | Light::SphereCap(_)
             | Light::Triangle(_)
             | Light::Parallelogram(_)
             | Light::Disc(_)
@@ -158,11 +167,11 @@ pub(crate) struct Aim {
     pub casts_shadow: bool,
 }
 
-/// The end of a shadow ray to the point `q` at distance `t`: shorter by a bound on the rounding of t itself (γ(8)) and
-/// of the coordinates on both sides (γ(4) of the largest of p and q), so that what lies behind the light never blocks.
-pub(crate) fn shadow_end(t: f64, p: Vec3, q: DVec3) -> f32 {
-    let size = p.abs().max_element().max(q.abs().max_element() as f32);
-    (t as f32) * (1.0 - gamma(8)) - gamma(4) * size
+/// The end of a shadow ray from `p` to a point at distance `t`: shorter by a bound on the rounding of t itself (γ(8))
+/// and of the coordinates at both ends (γ(4) of the larger, which is at most |p| + t), so that what lies behind the
+/// light never blocks.
+pub(crate) fn shadow_end(t: f32, p: Vec3) -> f32 {
+    t * (1.0 - gamma(12)) - gamma(4) * p.abs().max_element()
 }
 
 /// Converts a density in f64 to f32: `None` unless it is positive and finite there.

@@ -1,11 +1,14 @@
 //! The emitting parallelogram.
 
-use super::triangle::FlatTarget;
+use super::choice::remap;
+use super::flat::FlatTarget;
+use super::solid_angle::SphericalTriangle;
 use super::{Aim, HitOnLight, Receiver, shadow_end};
 use crate::render::ray::PrimRef;
 use glam::{DVec3, Vec2, Vec3};
 
-/// A parallelogram that emits, on the side of `e1 × e2` or on both; sampled uniformly in area.
+/// A parallelogram that emits, on the side of `e1 × e2` or on both. Sampled uniformly in solid
+/// angle if it is near, in area if it is far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParallelogramLight {
     /// First corner.
@@ -37,24 +40,58 @@ impl ParallelogramLight {
         }
     }
 
+    /// Its two halves on the sphere of directions, if it is near enough for that to pay. Both turn about the first
+    /// corner, so that the map from random numbers to directions has no jump.
+    fn seen_near(&self, p: Vec3) -> Option<[SphericalTriangle; 2]> {
+        let a = self.p0.as_dvec3() - p.as_dvec3();
+        let (e1, e2) = (self.e1.as_dvec3(), self.e2.as_dvec3());
+        self.target().is_near(a, a + (e1 + e2) * 0.5).then(|| {
+            let opposite = a + e1 + e2;
+            [
+                SphericalTriangle::new(a + e1, a, opposite),
+                SphericalTriangle::new(opposite, a, a + e2),
+            ]
+        })
+    }
+
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
-        let q = self.p0.as_dvec3() + self.e1.as_dvec3() * f64::from(u.x) + self.e2.as_dvec3() * f64::from(u.y);
-        let (wi, pdf, t) = self.target().aim_at(at, q)?;
+        let edges = [self.p0.as_dvec3(), self.e1.as_dvec3(), self.e2.as_dvec3()];
+        let (wi, pdf, t, b) = match self.seen_near(at.p) {
+            Some([first, second]) => {
+                let solid_angle = first.solid_angle + second.solid_angle;
+                let share = first.solid_angle / solid_angle;
+                let x = f64::from(u.x);
+                let w = if x < share {
+                    first.sample(Vec2::new(remap(x, 0.0, share) as f32, u.y))?
+                } else {
+                    second.sample(Vec2::new(remap(x, share, 1.0) as f32, u.y))?
+                };
+                self.target().aim_along(at, w, solid_angle, edges)?
+            }
+            None => {
+                let q = edges[0] + edges[1] * f64::from(u.x) + edges[2] * f64::from(u.y);
+                let (wi, pdf, t) = self.target().aim_at(at, q)?;
+                (wi, pdf, t, u)
+            }
+        };
         Some(Aim {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end(t, at.p, q),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.prim,
-            b: u,
+            b,
             textured: self.textured,
             casts_shadow: true,
         })
     }
 
     /// Density of `sample` for a direction that hits the parallelogram.
-    pub(crate) fn pdf(&self, wi: Vec3, hit: &HitOnLight) -> f32 {
-        self.target().pdf(wi, hit.distance)
+    pub(crate) fn pdf(&self, at: &Receiver, wi: Vec3, hit: &HitOnLight) -> f32 {
+        match self.seen_near(at.p) {
+            Some([first, second]) => self.target().pdf_along(wi, first.solid_angle + second.solid_angle),
+            None => self.target().pdf(wi, hit.distance),
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::bounds::LightBounds;
 use super::choice::extend;
 use super::distant::{DistantLights, is_distant, split_number};
 use super::tree::LightTree;
-use super::{Aim, EnvironmentLight, HitOnLight, Light, LightSample, Receiver};
+use super::{Aim, EnvironmentLight, HitOnLight, Light, LightSample, Receiver, coincident};
 use glam::{Vec2, Vec3};
 
 /// The lights of a scene, ready to be sampled.
@@ -31,15 +31,17 @@ struct Choice {
 const MIN_GROUP: f64 = 0.125;
 
 impl LightSet {
-    /// Takes the lights; their indices stay what they are. At most 2³¹ lights.
+    /// Takes the lights; their indices stay what they are. At most 2³¹ lights. Of emitters with exactly the same shape
+    /// and place only the one with the lowest primitive is ever chosen, since rays see only that one.
     pub fn new(lights: Vec<Light>) -> LightSet {
         let choice = (lights.len() > 1).then(|| {
-            let bounds: Vec<Option<LightBounds>> = lights
-                .iter()
-                .map(|l| if is_distant(l) { None } else { LightBounds::of(l) })
-                .collect();
+            let hidden = coincident::hidden(&lights);
+            let near = (0u32..)
+                .zip(lights.iter().zip(&hidden))
+                .filter(|(_, (l, hidden))| !is_distant(l) && !**hidden)
+                .filter_map(|(i, (l, _))| Some((i, LightBounds::of(l)?)));
             Box::new(Choice {
-                tree: LightTree::new(&bounds),
+                tree: LightTree::new(lights.len(), near),
                 distant: DistantLights::new(&lights),
             })
         });
@@ -134,6 +136,7 @@ impl LightSet {
             Light::Directional(l) => Some(l.sample()),
             Light::Area(l) => l.sample(at, u),
             Light::Sphere(l) => l.sample(at, u),
+            Light::SphereCap(l) => l.sample(at, u),
             Light::Triangle(l) => l.sample(at, u),
             Light::Parallelogram(l) => l.sample(at, u),
             Light::Disc(l) => l.sample(at, u),
@@ -147,8 +150,9 @@ impl LightSet {
         let at = Receiver { p, n, two_sided };
         let pdf = match self.lights.get(light as usize) {
             Some(Light::Sphere(l)) => l.pdf(&at, wi),
-            Some(Light::Triangle(l)) => l.pdf(wi, hit),
-            Some(Light::Parallelogram(l)) => l.pdf(wi, hit),
+            Some(Light::SphereCap(l)) => l.pdf(wi, hit),
+            Some(Light::Triangle(l)) => l.pdf(&at, wi, hit),
+            Some(Light::Parallelogram(l)) => l.pdf(&at, wi, hit),
             Some(Light::Disc(l)) => l.pdf(wi, hit),
             Some(Light::Environment(l)) => l.pdf(&at, wi),
             Some(Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_)) | None => return 0.0,

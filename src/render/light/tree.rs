@@ -6,26 +6,24 @@
 //! Source: Conty Estevez & Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018; PBRT-4 §12.6.3.
 
 use super::Receiver;
-use super::bounds::LightBounds;
+use super::bounds::{Cluster, LightBounds};
 use super::choice::remap;
+use super::split::{Item, split};
 use glam::Vec3;
 
-/// A node; its first child follows it.
+/// A node; its two children stand side by side.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    bounds: LightBounds,
-    /// The light of a leaf with [`LEAF`] set, else the index of the second child.
+    cluster: Cluster,
+    /// The light of a leaf with [`LEAF`] set, else the index of the first child.
     link: u32,
 }
 
 const LEAF: u32 = 1 << 31;
 /// The path of a light that is not in the tree.
 const NOT_HERE: u64 = u64::MAX;
-/// Below this depth lists are halved, so that with at most 2³¹ lights no path is longer than 62 bits.
-const HALVE_FROM_DEPTH: u32 = 31;
 /// The least probability of a child that can contribute: bounds the loss where the estimate misleads.
 const MIN_BRANCH: f32 = 1.0 / 1024.0;
-const BUCKETS: usize = 12;
 
 /// A tree over the lights that have bounds.
 #[derive(Clone, Debug)]
@@ -39,38 +37,24 @@ pub(crate) struct LightTree {
     irradiance_scale: f64,
 }
 
-/// A light during the build.
-#[derive(Clone, Copy)]
-struct Item {
-    bounds: LightBounds,
-    center: Vec3,
-    light: u32,
-}
-
 impl LightTree {
-    /// A tree over those of `bounds` that are given; the index is the light's. At most 2³¹ lights.
-    pub fn new(bounds: &[Option<LightBounds>]) -> LightTree {
-        let lit = || bounds.iter().flatten().filter(|b| b.intensity > 0.0);
-        let all = lit().fold((Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0f32), |(lo, hi, i), b| {
-            (lo.min(b.min), hi.max(b.max), i.max(b.intensity))
-        });
+    /// A tree over lights with these indices, all below `count` ≤ 2³¹, and bounds.
+    pub fn new(count: usize, bounds: impl Iterator<Item = (u32, LightBounds)>) -> LightTree {
+        let bounds: Vec<(u32, LightBounds)> = bounds.filter(|(_, b)| b.intensity > 0.0).collect();
+        let all = bounds
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0f32), |(lo, hi, i), (_, b)| {
+                (lo.min(b.min), hi.max(b.max), i.max(b.intensity))
+            });
         let length_scale = inverse_power_of_two((all.1 - all.0).max_element());
         let intensity_scale = inverse_power_of_two(all.2);
         let mut items: Vec<Item> = bounds
-            .iter()
-            .enumerate()
-            .filter_map(|(i, b)| {
-                let bounds = (*b)?.scaled(length_scale, intensity_scale);
-                (bounds.intensity > 0.0).then(|| Item {
-                    bounds,
-                    center: (bounds.min + bounds.max) * 0.5,
-                    light: i as u32,
-                })
-            })
+            .into_iter()
+            .map(|(light, b)| Item::new(light, b.scaled(length_scale, intensity_scale)))
             .collect();
         let mut tree = LightTree {
-            nodes: Vec::with_capacity((2 * items.len()).saturating_sub(1)),
-            paths: vec![NOT_HERE; bounds.len()],
+            nodes: Vec::new(),
+            paths: vec![NOT_HERE; count],
             length_scale,
             irradiance_scale: f64::from(length_scale) * f64::from(length_scale) / f64::from(intensity_scale),
         };
@@ -78,67 +62,72 @@ impl LightTree {
         tree
     }
 
-    /// Builds top-down with a stack of our own, then bounds bottom-up.
+    /// Builds top-down with a stack of our own, then bounds bottom-up: children always come after their parent.
     fn build(&mut self, items: &mut [Item]) {
         struct Task {
+            node: usize,
             start: usize,
             end: usize,
             depth: u32,
             path: u64,
-            /// The node whose second child this is.
-            parent: Option<usize>,
         }
         if items.is_empty() {
             return;
         }
+        let count = 2 * items.len() - 1;
+        let mut bounds = Vec::with_capacity(count);
+        let mut links = Vec::with_capacity(count);
+        bounds.push(LightBounds::DARK);
+        links.push(0u32);
         let mut stack = vec![Task {
+            node: 0,
             start: 0,
             end: items.len(),
             depth: 0,
             path: 0,
-            parent: None,
         }];
         while let Some(task) = stack.pop() {
-            let index = self.nodes.len();
-            if let Some(parent) = task.parent {
-                self.nodes[parent].link = index as u32;
-            }
             let list = &mut items[task.start..task.end];
             if let [item] = list {
-                self.nodes.push(Node {
-                    bounds: item.bounds,
-                    link: item.light | LEAF,
-                });
+                bounds[task.node] = item.bounds;
+                links[task.node] = item.light | LEAF;
                 self.paths[item.light as usize] = task.path | 1 << task.depth;
                 continue;
             }
-            self.nodes.push(Node {
-                bounds: LightBounds::DARK,
-                link: 0,
-            });
             let middle = task.start + split(list, task.depth);
+            let first = bounds.len();
+            links[task.node] = first as u32;
+            for _ in 0..2 {
+                bounds.push(LightBounds::DARK);
+                links.push(0);
+            }
             let depth = task.depth + 1;
             stack.push(Task {
+                node: first + 1,
                 start: middle,
                 end: task.end,
                 depth,
                 path: task.path | 1 << task.depth,
-                parent: Some(index),
             });
             stack.push(Task {
+                node: first,
                 start: task.start,
                 end: middle,
                 depth,
                 path: task.path,
-                parent: None,
             });
         }
-        for i in (0..self.nodes.len()).rev() {
-            let node = self.nodes[i];
-            if node.link & LEAF == 0 {
-                self.nodes[i].bounds = self.nodes[i + 1].bounds.union(&self.nodes[node.link as usize].bounds);
+        for i in (0..bounds.len()).rev() {
+            if links[i] & LEAF == 0 {
+                let first = links[i] as usize;
+                bounds[i] = bounds[first].union(&bounds[first + 1]);
             }
         }
+        let node = |(b, &link): (&LightBounds, &u32)| Node {
+            cluster: b.cluster(),
+            link,
+        };
+        self.nodes = bounds.iter().zip(&links).map(node).collect();
     }
 
     fn localize(&self, at: &Receiver) -> Receiver {
@@ -153,14 +142,14 @@ impl LightTree {
         let importance = self
             .nodes
             .first()
-            .map_or(0.0, |n| n.bounds.importance(&self.localize(at)));
+            .map_or(0.0, |n| n.cluster.importance(&self.localize(at)));
         f64::from(importance) * self.irradiance_scale
     }
 
-    /// Probability of the first child; `None` if neither can contribute.
-    fn first_branch(&self, node: usize, at: &Receiver) -> Option<f32> {
-        let first = self.nodes[node + 1].bounds.importance(at);
-        let second = self.nodes[self.nodes[node].link as usize].bounds.importance(at);
+    /// Probability of the first of two children; `None` if neither can contribute.
+    fn first_branch(&self, children: usize, at: &Receiver) -> Option<f32> {
+        let first = self.nodes[children].cluster.importance(at);
+        let second = self.nodes[children + 1].cluster.importance(at);
         match (first > 0.0, second > 0.0) {
             (false, false) => None,
             (true, false) => Some(1.0),
@@ -178,15 +167,15 @@ impl LightTree {
             if link & LEAF != 0 {
                 return Some((link & !LEAF, probability));
             }
-            let first = self.first_branch(node, &at)?;
+            let first = self.first_branch(link as usize, &at)?;
             if u < f64::from(first) {
                 u = remap(u, 0.0, f64::from(first));
                 probability *= first;
-                node += 1;
+                node = link as usize;
             } else {
                 u = remap(u, f64::from(first), 1.0);
                 probability *= 1.0 - first;
-                node = link as usize;
+                node = link as usize + 1;
             }
         }
     }
@@ -202,15 +191,16 @@ impl LightTree {
         let at = self.localize(at);
         let (mut node, mut probability, mut path) = (0usize, 1.0f32, path);
         while path != 1 {
-            let Some(first) = self.first_branch(node, &at) else {
+            let children = self.nodes[node].link as usize;
+            let Some(first) = self.first_branch(children, &at) else {
                 return 0.0;
             };
             if path & 1 == 0 {
                 probability *= first;
-                node += 1;
+                node = children;
             } else {
                 probability *= 1.0 - first;
-                node = self.nodes[node].link as usize;
+                node = children + 1;
             }
             if probability == 0.0 {
                 return 0.0;
@@ -228,125 +218,4 @@ fn inverse_power_of_two(x: f32) -> f32 {
     }
     let exponent = (x.to_bits() >> 23) as i32 - 127; // −127 for subnormal x, which is near enough
     f32::from_bits((((-exponent).clamp(-126, 127) + 127) as u32) << 23)
-}
-
-/// One interval of a split candidate.
-#[derive(Clone, Copy)]
-struct Bucket {
-    min: Vec3,
-    max: Vec3,
-    axis: Vec3,
-    intensity: f32,
-}
-
-impl Bucket {
-    const EMPTY: Bucket = Bucket {
-        min: Vec3::INFINITY,
-        max: Vec3::NEG_INFINITY,
-        axis: Vec3::ZERO,
-        intensity: 0.0,
-    };
-
-    fn add(&mut self, item: &Item) {
-        let b = &item.bounds;
-        self.min = self.min.min(b.min);
-        self.max = self.max.max(b.max);
-        self.intensity += b.intensity;
-        // The sum of the axes is long only if the lights shine the same way; a wide cone counts as short.
-        let axis = b.axis * (b.intensity * 0.5 * (1.0 + b.cos_o));
-        // For two-sided lights the sign is arbitrary: take it from the axis' largest component.
-        let turn = b.two_sided && {
-            let a = b.axis.abs();
-            let largest = if a.x >= a.y && a.x >= a.z {
-                b.axis.x
-            } else if a.y >= a.z {
-                b.axis.y
-            } else {
-                b.axis.z
-            };
-            largest < 0.0
-        };
-        self.axis += if turn { -axis } else { axis };
-    }
-
-    fn merge(&mut self, other: &Bucket) {
-        self.min = self.min.min(other.min);
-        self.max = self.max.max(other.max);
-        self.axis += other.axis;
-        self.intensity += other.intensity;
-    }
-
-    /// Intensity times surface of the box times spread of directions (1 for parallel, 4 for all): the chance that
-    /// this group is asked for, up to a factor. A cheap stand-in for the surface area orientation heuristic.
-    fn cost(&self, thickness: f32) -> f32 {
-        if self.intensity <= 0.0 {
-            return 0.0;
-        }
-        let d = (self.max - self.min).max(Vec3::splat(thickness));
-        let area = d.x * d.y + d.y * d.z + d.z * d.x;
-        let spread = 4.0 - 3.0 * (self.axis.length() / self.intensity).min(1.0);
-        self.intensity * area * spread
-    }
-}
-
-/// Orders the list so that the first part becomes the first child; returns its length, in 1..len.
-fn split(list: &mut [Item], depth: u32) -> usize {
-    let half = list.len() / 2;
-    let (lo, hi) = list.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), i| {
-        (lo.min(i.center), hi.max(i.center))
-    });
-    let extent = hi - lo;
-    let longest = extent.max_element();
-    if longest.is_nan() || longest <= 0.0 {
-        return half; // all centres coincide
-    }
-    if depth >= HALVE_FROM_DEPTH {
-        let axis = (0..3).find(|&k| extent[k] == longest).unwrap_or(0);
-        list.select_nth_unstable_by(half, |a, b| {
-            a.center[axis].total_cmp(&b.center[axis]).then(a.light.cmp(&b.light))
-        });
-        return half;
-    }
-    // Boxes flat to within a bucket still cost something, or flat groups would all be free.
-    let thickness = longest / BUCKETS as f32;
-    let mut best: Option<(f32, usize, usize)> = None;
-    for k in 0..3 {
-        if extent[k] <= 0.0 {
-            continue;
-        }
-        let mut buckets = [Bucket::EMPTY; BUCKETS];
-        for item in list.iter() {
-            buckets[bucket_of(item, k, lo[k], extent[k])].add(item);
-        }
-        let mut below = [0.0f32; BUCKETS];
-        let mut sum = Bucket::EMPTY;
-        for (b, cost) in buckets.iter().zip(&mut below) {
-            sum.merge(b);
-            *cost = sum.cost(thickness);
-        }
-        let mut sum = Bucket::EMPTY;
-        for edge in (1..BUCKETS).rev() {
-            sum.merge(&buckets[edge]);
-            // Cutting long axes is preferred, against thin slices.
-            let cost = (below[edge - 1] + sum.cost(thickness)) * (longest / extent[k]);
-            if below[edge - 1] > 0.0 && sum.intensity > 0.0 && best.is_none_or(|(c, ..)| cost < c) {
-                best = Some((cost, k, edge));
-            }
-        }
-    }
-    let Some((_, k, edge)) = best else {
-        return half;
-    };
-    let mut first = 0;
-    for i in 0..list.len() {
-        if bucket_of(&list[i], k, lo[k], extent[k]) < edge {
-            list.swap(i, first);
-            first += 1;
-        }
-    }
-    if first == 0 || first == list.len() { half } else { first }
-}
-
-fn bucket_of(item: &Item, k: usize, lo: f32, extent: f32) -> usize {
-    (((item.center[k] - lo) / extent * BUCKETS as f32) as usize).min(BUCKETS - 1)
 }

@@ -1,11 +1,14 @@
 //! The emitting triangle.
 
-use super::{Aim, HitOnLight, Receiver, shadow_end, usable_pdf};
+use super::flat::FlatTarget;
+use super::solid_angle::SphericalTriangle;
+use super::{Aim, HitOnLight, Receiver, shadow_end};
 use crate::math::warp;
 use crate::render::ray::PrimRef;
 use glam::{DVec3, Vec2, Vec3};
 
-/// A triangle that emits, on the side of `e1 × e2` or on both; sampled uniformly in area.
+/// A triangle that emits, on the side of `e1 × e2` or on both. Sampled uniformly in solid angle if
+/// it is near, in area if it is far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleLight {
     /// First corner.
@@ -34,69 +37,53 @@ impl TriangleLight {
         if self.flipped { -n } else { n }
     }
 
-    pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
-        let b = warp::triangle(u);
-        let q = self.p0.as_dvec3() + self.e1.as_dvec3() * f64::from(b.x) + self.e2.as_dvec3() * f64::from(b.y);
-        let target = FlatTarget {
+    fn target(&self) -> FlatTarget {
+        FlatTarget {
             normal: self.normal_twice_area() * 0.5,
             two_sided: self.two_sided,
+        }
+    }
+
+    /// The triangle on the sphere of directions, if it is near enough for that to pay.
+    fn seen_near(&self, p: Vec3) -> Option<SphericalTriangle> {
+        let a = self.p0.as_dvec3() - p.as_dvec3();
+        let (e1, e2) = (self.e1.as_dvec3(), self.e2.as_dvec3());
+        let center = a + (e1 + e2) * (1.0 / 3.0);
+        self.target()
+            .is_near(a, center)
+            .then(|| SphericalTriangle::new(a + e1, a, a + e2))
+    }
+
+    pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
+        let (e1, e2) = (self.e1.as_dvec3(), self.e2.as_dvec3());
+        let target = self.target();
+        let (wi, pdf, t, b) = match self.seen_near(at.p) {
+            Some(seen) => target.aim_along(at, seen.sample(u)?, seen.solid_angle, [self.p0.as_dvec3(), e1, e2])?,
+            None => {
+                let b = warp::triangle(u);
+                let q = self.p0.as_dvec3() + e1 * f64::from(b.x) + e2 * f64::from(b.y);
+                let (wi, pdf, t) = target.aim_at(at, q)?;
+                (wi, pdf, t, b)
+            }
         };
-        let (wi, pdf, t) = target.aim_at(at, q)?;
         Some(Aim {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end(t, at.p, q),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.prim,
-            b,
+            b: if b.x + b.y > 1.0 { b / (b.x + b.y) } else { b },
             textured: self.textured,
             casts_shadow: true,
         })
     }
 
     /// Density of `sample` for a direction that hits the triangle.
-    pub(crate) fn pdf(&self, wi: Vec3, hit: &HitOnLight) -> f32 {
-        FlatTarget {
-            normal: self.normal_twice_area() * 0.5,
-            two_sided: self.two_sided,
-        }
-        .pdf(wi, hit.distance)
-    }
-}
-
-/// A flat surface sampled uniformly in area.
-pub(crate) struct FlatTarget {
-    /// Normal as long as the area.
-    pub normal: DVec3,
-    pub two_sided: bool,
-}
-
-impl FlatTarget {
-    /// Direction, density per solid angle and distance of the point `q`; `None` where q is p itself, where the
-    /// surface is seen edge-on or from a dark side, and where the density is no finite number.
-    pub fn aim_at(&self, at: &Receiver, q: DVec3) -> Option<(Vec3, f32, f64)> {
-        let d = q - at.p.as_dvec3();
-        let t2 = d.length_squared();
-        let t = t2.sqrt();
-        let wi = (d / t).as_vec3();
-        let pdf = self.density(d / t, t2)?;
-        Some((wi, pdf, t))
-    }
-
-    pub fn pdf(&self, wi: Vec3, distance: f32) -> f32 {
-        let t = f64::from(distance);
-        self.density(wi.as_dvec3(), t * t).unwrap_or(0.0)
-    }
-
-    /// t²/(A·cos).
-    fn density(&self, wi: DVec3, t2: f64) -> Option<f32> {
-        let area_cos = -wi.dot(self.normal);
-        let area_cos = if self.two_sided { area_cos.abs() } else { area_cos };
-        if area_cos > 0.0 {
-            usable_pdf(t2 / area_cos)
-        } else {
-            None
+    pub(crate) fn pdf(&self, at: &Receiver, wi: Vec3, hit: &HitOnLight) -> f32 {
+        match self.seen_near(at.p) {
+            Some(seen) => self.target().pdf_along(wi, seen.solid_angle),
+            None => self.target().pdf(wi, hit.distance),
         }
     }
 }

@@ -41,6 +41,7 @@ fn mixture() -> Vec<Light> {
             casts_shadows: true,
         })));
         lights.push(sphere(-q * 2.0, 0.5));
+        lights.push(cap(q * 3.0, 1.0, DVec3::new(0.0, -0.6, 0.8), 0.3));
     }
     lights.push(Light::Directional(DirectionalLamp {
         direction: -Vec3::Z,
@@ -180,8 +181,8 @@ fn the_tree_prefers_what_matters() {
 
 #[test]
 fn coincident_lights_and_extreme_strengths_are_sound() {
-    let same = || triangle(Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z + Vec3::Y, true);
-    let set = LightSet::new((0..1000).map(|_| same()).collect());
+    let inverse = Falloff::InverseSquare { range: None };
+    let set = LightSet::new((0..1000).map(|_| point(DVec3::Z, Vec3::ONE, inverse)).collect());
     let at = receiver(Vec3::ZERO, Vec3::Z);
     assert!((total(&set, &at) - 1.0).abs() < 1e-5);
     for i in [0, 500, 999] {
@@ -203,6 +204,40 @@ fn coincident_lights_and_extreme_strengths_are_sound() {
             .sample(at.p, at.n, false, 0.5, Vec2::ZERO)
             .is_none()
     );
+}
+
+/// Catalogue of hard cases J 65: the same emitter twice is as bright as once, and the one that rays see is sampled.
+#[test]
+fn emitters_in_the_same_place_count_once() {
+    let numbered = |light: &Light, object: u32| match light.clone() {
+        Light::Triangle(l) => Light::Triangle(TriangleLight {
+            prim: PrimRef { object, prim: 0 },
+            ..l
+        }),
+        Light::Sphere(l) => Light::Sphere(SphereLight {
+            prim: PrimRef { object, prim: 0 },
+            ..l
+        }),
+        other => other,
+    };
+    let tri = triangle(Vec3::Z, Vec3::Z + Vec3::Y, Vec3::Z + Vec3::X, false);
+    let ball = sphere(DVec3::new(3.0, 0.0, 3.0), 0.5);
+    let once = LightSet::new(vec![tri.clone(), ball.clone()]);
+    let objects = [(5, 9), (2, 3), (8, 4)];
+    let thrice = objects
+        .iter()
+        .flat_map(|&(a, b)| [numbered(&tri, a), numbered(&ball, b)]);
+    let thrice = LightSet::new(thrice.collect());
+    let at = receiver(Vec3::ZERO, Vec3::Z);
+    assert!((total(&thrice, &at) - 1.0).abs() < 1e-5);
+    for i in 0..2 {
+        assert_eq!(thrice.probability(2 + i, &at), once.probability(i, &at));
+        assert_eq!((thrice.probability(i, &at), thrice.probability(4 + i, &at)), (0.0, 0.0));
+    }
+    // A shape that differs in one bit is another place.
+    let other = triangle(Vec3::Z, Vec3::Z + Vec3::Y, Vec3::Z + Vec3::X * 1.000_000_1, false);
+    let set = LightSet::new(vec![tri, other]);
+    assert!(set.probability(0, &at) > 0.4 && set.probability(1, &at) > 0.4);
 }
 
 /// A scene of any size gives the same choices, bit for bit.

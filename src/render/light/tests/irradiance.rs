@@ -45,6 +45,18 @@ fn a_disc_gives_its_irradiance_on_the_axis() {
     }
 }
 
+/// A cap that is seen whole covers the same directions as the disc within its rim: E = π·L·ρ²/(ρ² + h²) on the axis.
+/// The second is the lecture's lamp: R = 600, 0.27 below the ceiling, seen from the floor.
+#[test]
+fn a_cap_gives_the_irradiance_of_its_rim() {
+    for (radius, x, middle) in [(10.0, 0.01, 2.0), (600.0, 0.27 / 600.0, 81.33), (1e7, 1e-12, 50.0)] {
+        let light = cap(DVec3::Z * (middle + radius), radius, -DVec3::Z, x);
+        let (rim2, h) = (radius * radius * x * (2.0 - x), middle + radius * x);
+        let exact = PI64 * rim2 / (rim2 + h * h);
+        close("cap", irradiance(&light, Vec3::ZERO, Vec3::Z, 256), exact, 1e-4);
+    }
+}
+
 /// Lambert's formula for a polygon wholly above the horizon: E = L/2·Σ θi·(Γi·n), θi the angle between neighbouring
 /// corners, Γi the unit normal of their plane.
 fn lambert(corners: &[DVec3], n: DVec3) -> f64 {
@@ -60,11 +72,19 @@ fn lambert(corners: &[DVec3], n: DVec3) -> f64 {
 #[test]
 fn polygons_give_lamberts_irradiance() {
     let n = Vec3::new(0.0, 0.28, 0.96);
-    for scale in [1.0f32, 1e-9, 1e9] {
+    // Near ones are sampled by solid angle, far ones by area.
+    for (scale, height) in [
+        (1.0f32, 0.0),
+        (1e-9, 0.0),
+        (1e9, 0.0),
+        (1.0, 8.0),
+        (1e-9, 8.0),
+        (1e9, 8.0),
+    ] {
         let (a, b, c) = (
-            Vec3::new(-1.0, -0.5, 2.0) * scale,
-            Vec3::new(1.5, -1.0, 1.5) * scale,
-            Vec3::new(0.0, 1.5, 2.5) * scale,
+            Vec3::new(-1.0, -0.5, height + 2.0) * scale,
+            Vec3::new(1.5, -1.0, height + 1.5) * scale,
+            Vec3::new(0.0, 1.5, height + 2.5) * scale,
         );
         let exact = lambert(&[a, b, c].map(|v| v.as_dvec3()), n.as_dvec3());
         close(
@@ -92,6 +112,30 @@ fn a_large_near_parallelogram_gives_lamberts_irradiance() {
         exact,
         1e-3,
     );
+}
+
+/// Coordinates, direction and distance of a sample name the same point, near and far.
+#[test]
+fn samples_say_where_on_the_polygon_they_lie() {
+    for height in [0.5f32, 2.0, 20.0] {
+        let (p0, e1, e2) = (
+            Vec3::new(-1.0, -2.0, height),
+            Vec3::new(0.5, 3.0, 0.1),
+            Vec3::new(2.0, 0.3, -0.2),
+        );
+        for light in [triangle(p0, p0 + e1, p0 + e2, true), parallelogram(p0, e1, e2)] {
+            let set = LightSet::new(vec![light]);
+            for i in 0..400 {
+                let u = Vec2::new((i % 20) as f32 + 0.5, (i / 20) as f32 + 0.5) / 20.0;
+                let Some(s) = set.sample(Vec3::ZERO, Vec3::Z, false, 0.5, u) else {
+                    panic!("nothing seen from {height} below at {u}");
+                };
+                let off = (p0 + e1 * s.b.x + e2 * s.b.y - s.wi * s.distance).length();
+                assert!(off < 4e-7 * (s.distance + 4.0) * 4.0, "{height} below: off by {off}");
+                assert!(s.b.min_element() >= 0.0 && s.b.max_element() <= 1.0, "{}", s.b);
+            }
+        }
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod spheres;
 
 use super::*;
 use crate::math::frame::Frame;
+use glam::DVec3;
 
 /// A hit of the oracle: distance and unit geometric normal.
 type OracleHit = Option<(f64, DVec3)>;
@@ -56,6 +57,10 @@ fn oracle_hit(light: &Light, p: DVec3, w: DVec3) -> OracleHit {
             (t > 0.0).then_some(())?;
             facing(l.two_sided, (t, (o + w * t) / l.radius))
         }
+        Light::SphereCap(l) => {
+            let (t, n) = oracle_hit(&Light::Sphere(l.sphere), p, w)?;
+            (n.dot(l.axis) >= 1.0 - l.one_minus_cos).then_some((t, n))
+        }
         Light::Environment(_) => Some((f64::INFINITY, -w)),
         Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) => None,
     }
@@ -98,6 +103,17 @@ fn sphere(center: DVec3, radius: f64) -> Light {
         textured: false,
         prim: PrimRef { object: 3, prim: 0 },
     })
+}
+
+fn cap(center: DVec3, radius: f64, axis: DVec3, one_minus_cos: f64) -> Light {
+    let Light::Sphere(sphere) = sphere(center, radius) else {
+        panic!("not a sphere");
+    };
+    Light::SphereCap(Box::new(SphereCapLight {
+        sphere,
+        axis,
+        one_minus_cos,
+    }))
 }
 
 fn triangle(p0: Vec3, p1: Vec3, p2: Vec3, two_sided: bool) -> Light {
