@@ -224,6 +224,53 @@ fn tangents_are_split_where_faces_disagree_and_given_ones_are_kept() {
 }
 
 #[test]
+fn tangents_of_absurd_coordinates_are_unit_vectors_still() {
+    let mut state = 12345u32;
+    let mut random = || {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        state >> 3
+    };
+    let odd = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        1e-38,
+        1e38,
+        -3e38,
+        f32::MIN_POSITIVE,
+        f32::NAN,
+        f32::INFINITY,
+        0.5,
+        7e-20,
+    ];
+    let mut some = move |n: usize| -> Vec<f32> { (0..n).map(|_| odd[random() as usize % odd.len()]).collect() };
+    let mut checked = 0;
+    for _ in 0..200 {
+        let mut m = Model::with_texture(json!({"normalTexture": {"index": 0}}));
+        let (p, n, uv) = (
+            m.floats("VEC3", &some(36)),
+            m.floats("VEC3", &some(36)),
+            m.floats("VEC2", &some(24)),
+        );
+        let i = m.indices(&[0, 1, 2, 2, 1, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 0, 0, 1]);
+        let attributes = json!({"POSITION": p, "NORMAL": n, "TEXCOORD_0": uv});
+        m.json["meshes"][0]["primitives"][0] = json!({"attributes": attributes, "indices": i, "material": 0});
+        for mesh in &m.load().meshes {
+            assert!(mesh.normals.iter().all(|n| n.is_normalized()));
+            assert_eq!(mesh.tangents.len(), mesh.positions.len());
+            assert!(
+                mesh.tangents
+                    .iter()
+                    .all(|t| t.truncate().is_normalized() && t.w.abs() == 1.0)
+            );
+            checked += mesh.tangents.len();
+        }
+    }
+    assert!(checked > 1000, "{checked}");
+}
+
+#[test]
 fn vertex_colours_multiply_the_base_colour_and_several_uv_sets_are_kept() {
     let mut m = Model::with_material(json!({"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 1]}}));
     let c = m.bytes("VEC4", U8, 3, &[255, 0, 51, 255, 0, 0, 0, 0, 255, 255, 255, 255]);

@@ -42,7 +42,10 @@ impl Geometry for Corners<'_> {
             if self.part.flip_winding {
                 tangent.w = -tangent.w;
             }
-            self.tangents[face][corner] = tangent;
+            // Absurd coordinates overflow in the generator; the fallback stays.
+            if tangent.is_finite() && tangent.truncate().is_normalized() {
+                self.tangents[face][corner] = tangent;
+            }
         }
     }
 }
