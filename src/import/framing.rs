@@ -9,21 +9,23 @@ use crate::scene::{
 };
 use glam::{DMat3, DVec3};
 
-/// Vertical field of view (the smaller one of a picture in portrait format): a 50 mm lens on a 35 mm film, cropped a little.
+/// Vertical field of view (the smaller one of a picture in portrait format): a 50 mm lens on a 35 mm film, cropped a
+/// little.
 const FIELD_OF_VIEW: f64 = 35.0;
 /// Share of the picture that the model may fill.
 const FILL: f64 = 0.92;
 
 /// The box around all finite shapes that the camera can see, in world space: lower and upper corner. Exact for every
-/// shape under every transform; only crowds of instances beyond some ten million vertices are bounded by their boxes. Planes are
-/// left out. `None` if nothing is left.
+/// shape under every transform; only crowds of instances beyond some ten million vertices are bounded by their boxes.
+/// Planes are left out. `None` if nothing is left.
 pub fn bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
     let [x, y, z, nx, ny, nz] = support::farthest(scene, axes)?;
     Some((-DVec3::new(nx, ny, nz), DVec3::new(x, y, z)))
 }
 
-/// Whether a material of the scene lights it. A texture of at most 1 is a display or a decal, which only glows itself.
+/// Whether a material of the scene lights it. A texture of at most 1 is a display or a decal, which only glows
+/// itself.
 pub fn emits(scene: &Scene) -> bool {
     let lights = |m: &crate::scene::Material| {
         let most = m.emission.factor.max_element();
@@ -33,7 +35,8 @@ pub fn emits(scene: &Scene) -> bool {
 }
 
 /// Gives a scene without camera a three-quarter view of all of it, for a picture of this width/height, and a scene
-/// without lamps, environment and emission the light of a small studio. Returns a note of what was added, if anything was.
+/// without lamps, environment and emission the light of a small studio. Returns a note of what was added, if anything
+/// was.
 pub fn frame(scene: &mut Scene, aspect: f64) -> Option<Diagnostic> {
     let aspect = if aspect > 0.0 && aspect.is_finite() {
         aspect
@@ -144,7 +147,8 @@ fn view_angles(size: DVec3) -> (f64, f64) {
 
 /// The place from which everything lies inside the pyramid of view, as near as possible. `half_*` are the tangents
 /// of its half angles. A side plane of the pyramid through the camera at (x, z) holds all points if
-/// x − half·z ≥ h, h being the farthest that any point lies along the plane's normal; the two planes of a pair meet at the answer.
+/// x − half·z ≥ h, h being the farthest that any point lies along the plane's normal; the two planes of a pair meet
+/// at the answer.
 fn fit(scene: &Scene, center: DVec3, size: DVec3, axes: [DVec3; 3], half_width: f64, half_height: f64) -> DVec3 {
     let [direction, right, up] = axes;
     let normals = [

@@ -1,5 +1,6 @@
-//! The light of a small studio as an environment picture: a bright room, a large warm softbox behind the camera's left
-//! shoulder, a cool strip behind the model, a neutral floor. The middle of the picture is where the camera looks.
+//! The light of a small studio as an environment picture: a bright room, a large warm softbox behind the camera's
+//! left shoulder, a cool strip behind the model, a neutral floor. The middle of the picture is where the camera
+//! looks.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};

@@ -36,7 +36,8 @@ impl Numbers {
 pub(super) struct Wanted {
     /// Allowed numbers of components.
     pub components: &'static [usize],
-    /// Integers are normalised even if the accessor does not say so (colours, weights: raw integers have no meaning there).
+    /// Integers are normalised even if the accessor does not say so (colours, weights: raw integers have no meaning
+    /// there).
     pub normalize: bool,
 }
 
@@ -183,7 +184,8 @@ impl Loader<'_> {
             (count.checked_sub(1)).and_then(|n| n.checked_mul(stride)?.checked_add(offset)?.checked_add(element));
         if count > 0 && last.is_none_or(|end| end > length) {
             let message = format!(
-                "{count} elements of {element} bytes, {stride} apart, from byte {offset} on do not fit into bufferViews[{view}] of {length} bytes"
+                "{count} elements of {element} bytes, {stride} apart, from byte {offset} on \
+                 do not fit into bufferViews[{view}] of {length} bytes"
             );
             let d = Diagnostic::error("G0404", message);
             self.report

@@ -37,8 +37,8 @@ pub(super) fn read(path: &Path, files: &dyn Files, report: &mut Report) -> Optio
     })
 }
 
-/// Splits a GLB into its JSON and its first binary chunk. Chunk lengths are checked against the file, so that a wrong total length
-/// in the header alone is only a warning.
+/// Splits a GLB into its JSON and its first binary chunk. Chunk lengths are checked against the file, so that a wrong
+/// total length in the header alone is only a warning.
 fn split_glb(data: Arc<[u8]>, report: &mut Report) -> Option<Container> {
     let word = |at: usize| {
         data.get(at..at.checked_add(4)?)
@@ -127,8 +127,8 @@ fn parse_json(bytes: &[u8], report: &mut Report) -> Option<Value> {
     }
 }
 
-/// Turns numbers such as `24.0` into integers: some exporters write counts and indices that way. The recursion is bounded by
-/// the nesting limit of the JSON parser (128).
+/// Turns numbers such as `24.0` into integers: some exporters write counts and indices that way. The recursion is
+/// bounded by the nesting limit of the JSON parser (128).
 fn whole_numbers(value: &mut Value) {
     match value {
         Value::Number(n) if n.is_f64() => {

@@ -143,7 +143,8 @@ impl Loader<'_> {
         Some(())
     }
 
-    /// The joints of skin `index`: `world[node]` times the inverse bind matrix. `None` if the skin is broken or cannot be posed.
+    /// The joints of skin `index`: `world[node]` times the inverse bind matrix. `None` if the skin is broken or
+    /// cannot be posed.
     pub(super) fn joints(&mut self, index: usize, world: &[Option<DAffine3>], at: &str) -> Option<Vec<DAffine3>> {
         let skin: json::Skin = self.doc.get(index, at, &mut self.report)?;
         let at = format!("skins[{index}]");

@@ -34,6 +34,11 @@ impl Document {
         Document { root }
     }
 
+    /// The whole file as one element.
+    pub fn root(&self) -> &Value {
+        &self.root
+    }
+
     /// A member of the top level.
     pub fn top(&self, key: &str) -> Option<&Value> {
         self.root.get(key)

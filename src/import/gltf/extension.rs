@@ -1,4 +1,5 @@
-//! Extension objects read member by member. An extension that is malformed costs a warning and its default, not the model.
+//! Extension objects read member by member. An extension that is malformed costs a warning and its default, not the
+//! model.
 
 use super::Report;
 use super::document::extension;

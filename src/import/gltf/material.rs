@@ -20,7 +20,8 @@ struct Base {
 }
 
 impl Loader<'_> {
-    /// The material `index`, referred to at `at`; `colors`: multiplied by the mesh's vertex colours. `None` if it is broken (reported).
+    /// The material `index`, referred to at `at`; `colors`: multiplied by the mesh's vertex colours. `None` if it is
+    /// broken (reported).
     pub(super) fn material(&mut self, index: usize, colors: bool, at: &str) -> Option<MaterialId> {
         if let Some(known) = self.materials.get(&(index, colors)) {
             return *known;

@@ -1,4 +1,5 @@
-//! Meshes: primitives are read one by one and those of like attributes become one mesh of the scene, a slot per material.
+//! Meshes: primitives are read one by one and those of like attributes become one mesh of the scene, a slot per
+//! material.
 
 use super::Loader;
 use super::accessor::Wanted;
@@ -35,7 +36,8 @@ const COLOR: Wanted = Wanted {
 const MAX_TRIANGLES: u64 = 300_000_000;
 
 impl Loader<'_> {
-    /// The meshes of the scene for mesh `index`, referred to at `at`, bent by `pose`. Unbent meshes are shared by all nodes.
+    /// The meshes of the scene for mesh `index`, referred to at `at`, bent by `pose`. Unbent meshes are shared by all
+    /// nodes.
     pub(super) fn meshes_of(&mut self, index: usize, pose: &Pose, at: &str) -> Rc<[MeshId]> {
         let is_plain = pose.weights.is_none() && pose.joints.is_none();
         if let Some(known) = self.meshes.get(&index).filter(|_| is_plain) {

@@ -42,21 +42,12 @@ impl Loader<'_> {
         }
     }
 
-    /// The root nodes of the scene asked for, each with the place that names it: by the caller's choice, the file's own, or its first;
-    /// without any scene all nodes that have no parent.
+    /// The root nodes of the scene asked for, each with the place that names it: by the caller's choice, the file's
+    /// own, or its first; without any scene all nodes that have no parent.
     fn scene_roots(&mut self) -> Option<Vec<(usize, String)>> {
         let index = match (&self.options.scene, self.doc.top("scene")) {
             (Some(wanted), _) => self.scene_named(wanted)?,
-            (None, Some(_)) => {
-                let root = Value::Object(
-                    self.doc
-                        .top("scene")
-                        .map(|s| ("scene".to_owned(), s.clone()))
-                        .into_iter()
-                        .collect(),
-                );
-                index_of(&root, "scene", "", &mut self.report)?
-            }
+            (None, Some(_)) => index_of(self.doc.root(), "scene", "", &mut self.report)?,
             (None, None) if self.doc.len("scenes") == 0 => return Some(self.parentless()),
             (None, None) => 0,
         };

@@ -18,7 +18,8 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Reorders all vertex data: the new vertex i is the old vertex `order[i]`. Triangles are the caller's to renumber.
+    /// Reorders all vertex data: the new vertex i is the old vertex `order[i]`. Triangles are the caller's to
+    /// renumber.
     pub(super) fn gather(&mut self, order: &[u32]) {
         fn pick<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
             if !values.is_empty() {

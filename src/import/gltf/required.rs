@@ -77,7 +77,9 @@ fn unknown(name: &str) -> Diagnostic {
         "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
             "export the model without meshopt compression, or decompress it with a glTF tool"
         }
-        _ => "export the model without it, or remove it from `extensionsRequired` to draw the model as if it were not there",
+        _ => {
+            "export the model without it, or remove it from `extensionsRequired` to draw the model as if it were not there"
+        }
     })
 }
 

@@ -1,4 +1,5 @@
-//! Texture references: image, sampler, coordinate set and transform become one texture of the scene. Images are found, not decoded.
+//! Texture references: image, sampler, coordinate set and transform become one texture of the scene. Images are
+//! found, not decoded.
 
 use super::Loader;
 use super::document::{extension, index_of};
@@ -25,8 +26,8 @@ pub(super) struct Key {
 pub(super) const MAX_UV_SETS: u32 = 4;
 
 impl Loader<'_> {
-    /// The texture of a `textureInfo`. `None` if there is none or it cannot be used; then the factor stands alone, and
-    /// whatever was wrong has been reported.
+    /// The texture of a `textureInfo`. `None` if there is none or it cannot be used; then the factor stands alone,
+    /// and whatever was wrong has been reported.
     pub(super) fn texture(&mut self, info: Option<&Value>, encoding: Encoding, at: &str) -> Option<TextureId> {
         let info = info?;
         let Some(texture) = index_of(info, "index", at, &mut self.report) else {

@@ -24,8 +24,8 @@ pub(super) fn assemble(mode: Mode, corners: &[u32]) -> (Vec<[u32; 3]>, usize) {
     }
 }
 
-/// Renumbers the corners so that only used vertices remain, in their old order, and returns those vertices. A vertex buffer
-/// that many primitives share is thus not copied into each.
+/// Renumbers the corners so that only used vertices remain, in their old order, and returns those vertices. A vertex
+/// buffer that many primitives share is thus not copied into each.
 pub(super) fn compact(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
     let corners = triangles.len().saturating_mul(3);
     let mut used: Vec<u32>;

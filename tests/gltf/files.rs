@@ -1,0 +1,126 @@
+//! Buffers and images in other files.
+
+use crate::builder::*;
+use pts::diag::Severity;
+use pts::files::{Files, MemoryFiles};
+use pts::import::gltf::GltfOptions;
+use pts::scene::ImageSource;
+use serde_json::json;
+use std::path::Path;
+
+/// The triangle in a folder, its buffer at `uri`, with the buffer's bytes.
+fn in_folder(uri: &str) -> (MemoryFiles, Vec<u8>) {
+    let mut m = Model::triangle();
+    m.json["buffers"] = json!([{"byteLength": m.bin.len(), "uri": uri}]);
+    let mut files = MemoryFiles::default();
+    files.insert("models/a.gltf", m.text());
+    (files, m.bin)
+}
+
+#[test]
+fn buffers_are_found_beside_the_model_also_percent_encoded() {
+    for (uri, name) in [
+        ("b.bin", "models/b.bin"),
+        ("sub/../b.bin", "models/b.bin"),
+        ("./my%20data/%C3%A4.bin", "models/my data/ä.bin"),
+        ("100%.bin", "models/100%.bin"),
+        ("a%20b.bin", "models/a%20b.bin"),
+    ] {
+        let (mut files, data) = in_folder(uri);
+        files.insert(name, data);
+        let (scene, diags) = load_from(&files, "models/a.gltf", &GltfOptions::default());
+        assert!(scene.is_some() && diags.is_empty(), "{uri}: {diags:?}");
+        assert_eq!(files.opened().last().map(|p| p.as_path()), Some(Path::new(name)));
+    }
+}
+
+#[test]
+fn letter_case_and_windows_paths_are_forgiven_with_a_warning() {
+    for uri in ["B.BIN", "C:\\Users\\me\\b.bin", "..\\other\\b.bin"] {
+        let (mut files, data) = in_folder(uri);
+        files.insert("models/b.bin", data);
+        let (scene, diags) = load_from(&files, "models/a.gltf", &GltfOptions::default());
+        assert!(scene.is_some(), "{uri}: {diags:?}");
+        assert_eq!(codes(&diags), ["G0304"], "{uri}");
+    }
+}
+
+#[test]
+fn files_outside_the_models_folder_are_not_read_unless_allowed() {
+    for uri in [
+        "../secret.bin",
+        "/secret.bin",
+        "sub/../../secret.bin",
+        "file:///secret.bin",
+        "%2E%2E/secret.bin",
+    ] {
+        let (mut files, data) = in_folder(uri);
+        files.insert("models/../secret.bin", data.clone());
+        files.insert("models/sub/../../secret.bin", data.clone());
+        files.insert("/secret.bin", data);
+        let (scene, diags) = load_from(&files, "models/a.gltf", &GltfOptions::default());
+        assert!(scene.is_none(), "{uri}");
+        assert_eq!(codes(&diags), ["G0305"], "{uri}");
+        assert_eq!(files.opened().len(), 1, "{uri}: only the model itself");
+        assert!(diags.iter().all(|d| !d.hints.is_empty()));
+        let options = GltfOptions {
+            allow_outside: true,
+            ..GltfOptions::default()
+        };
+        assert!(load_from(&files, "models/a.gltf", &options).0.is_some(), "{uri}");
+    }
+}
+
+#[test]
+fn a_missing_buffer_is_an_error_and_a_missing_image_a_warning() {
+    let (files, _) = in_folder("gone.bin");
+    let (_, diags) = load_from(&files, "models/a.gltf", &GltfOptions::default());
+    assert_eq!(codes(&diags), ["G0303"]);
+    let d = diags.iter().next().unwrap();
+    assert_eq!(d.place.as_deref(), Some("models/a.gltf: buffers[0].uri"));
+
+    let base = json!({"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1], "baseColorTexture": {"index": 0}}});
+    let mut m = Model::with_texture(base);
+    m.json["images"][0] = json!({"uri": "skin.png"});
+    let (scene, diags) = m.try_load(&GltfOptions::default());
+    let scene = scene.unwrap();
+    assert_eq!(principled(&scene).base_color.texture, None);
+    assert_eq!(principled(&scene).base_color.factor.to_array(), [1.0, 0.0, 0.0]);
+    let warning = diags.iter().next().unwrap();
+    assert_eq!((warning.severity, warning.code), (Severity::Warning, "G0303"));
+}
+
+#[test]
+fn images_are_named_not_opened() {
+    let base = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    let mut m = Model::with_texture(base);
+    m.json["images"][0] = json!({"uri": "skin.png"});
+    let mut files = MemoryFiles::default();
+    files.insert("m/model.gltf", m.text());
+    files.insert("m/skin.png", *b"not a picture");
+    let (scene, _) = load_from(&files, "m/model.gltf", &GltfOptions::default());
+    assert_eq!(scene.unwrap().images[0].source, ImageSource::File("m/skin.png".into()));
+    assert_eq!(files.opened(), [Path::new("m/model.gltf")]);
+}
+
+#[test]
+fn an_image_in_a_view_keeps_its_bytes() {
+    let base = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    let mut m = Model::with_texture(base);
+    let view = m.view(b"jpeg bytes");
+    m.json["images"][0] = json!({"bufferView": view, "mimeType": "image/jpeg"});
+    let source = m.load().images.remove(0).source;
+    assert_eq!(source, ImageSource::Bytes((*b"jpeg bytes").into()));
+}
+
+#[test]
+fn a_byte_order_mark_and_float_counts_are_tolerated() {
+    let mut m = Model::triangle();
+    m.json["accessors"][0]["count"] = json!(3.0);
+    let mut text = b"\xEF\xBB\xBF".to_vec();
+    text.extend(m.text());
+    let mut files = MemoryFiles::default();
+    files.insert("model.gltf", text);
+    let (scene, diags) = load_from(&files, "model.gltf", &GltfOptions::default());
+    assert!(scene.is_some() && diags.is_empty(), "{diags:?}");
+}
