@@ -16,6 +16,8 @@ mod mtl;
 mod normals;
 mod polygon;
 mod report;
+#[cfg(test)]
+mod tests;
 mod texture;
 
 use crate::diag::{Diagnostic, Diagnostics};
