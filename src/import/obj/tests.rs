@@ -327,3 +327,11 @@ fn a_bump_map_that_is_a_normal_map_is_used_and_a_height_map_is_told() {
     let (m, _, diags) = material("map_Bump bump.png");
     assert!(m.normal_map.is_none() && diags.iter().any(|d| d.code == "O0214"));
 }
+
+#[test]
+fn a_library_that_is_not_named_but_lies_beside_the_model_is_used() {
+    let obj = format!("{SQUARE}usemtl m\nf 1 2 3\n");
+    let (scene, diags) = load_files(&[("m/a.obj", obj.as_bytes()), ("m/a.mtl", b"newmtl m\nKd 1 0 0\n")]);
+    assert_eq!(scene.materials.len(), 1);
+    assert_eq!(diags.iter().map(|d| d.code).collect::<Vec<_>>(), ["O0215"]);
+}
