@@ -90,7 +90,7 @@ fn a_model_far_away_keeps_the_shape_it_has_at_home() {
     for (a, b) in home.meshes[0].positions.iter().zip(&away.meshes[0].positions) {
         assert!((*a - *b).abs().max_element() < 8e-9, "{a} became {b}");
     }
-    assert!((away.meshes[0].center.x - 16_777_216.0005).abs() < 1e-8);
+    assert!((away.meshes[0].center.x - 16_777_216.000_5).abs() < 1e-8);
 }
 
 #[test]
