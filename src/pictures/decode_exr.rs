@@ -143,6 +143,10 @@ fn colour_channels(header: &Header) -> Option<Colour> {
     }
     let full_size = header.channels.list.iter().filter(|c| c.sampling == Vec2(1, 1));
     let names: Vec<String> = full_size.map(|c| c.name.to_string()).collect();
+    if names.len() < header.channels.list.len() && !names.iter().any(|n| n.eq_ignore_ascii_case("R")) {
+        // Luminance with subsampled chroma: the luminance alone would be a colour picture turned grey.
+        return None;
+    }
     choose_colour(&names)
 }
 

@@ -162,13 +162,19 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(cleaned: &Cleaned, source: &'a Source, faces: Range<usize>) -> Builder<'a> {
+        let base = faces
+            .clone()
+            .flat_map(|f| source.corners(f))
+            .map(|c| source.vertex(c))
+            .min()
+            .unwrap_or(0);
         let mut builder = Builder {
             source,
             origin: cleaned.origin,
             faces,
             has_normals: false,
-            smooth: SmoothNormals::default(),
-            vertices: Chains::default(),
+            smooth: SmoothNormals::from_vertex(base),
+            vertices: Chains::from_vertex(base),
             positions: Vec::new(),
             uvs: Vec::new(),
             normals: Vec::new(),

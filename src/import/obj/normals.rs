@@ -3,13 +3,20 @@
 use glam::{DVec3, Vec3};
 
 /// Sums of face normals, weighted by the angle at the corner, for each vertex and smoothing group.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct SmoothNormals {
     /// For each vertex its few groups with their sums, as one chain through `sums`.
     sums: Chains<u32, DVec3>,
 }
 
 impl SmoothNormals {
+    /// No faces yet; all vertices will be from `base` on.
+    pub fn from_vertex(base: u32) -> SmoothNormals {
+        SmoothNormals {
+            sums: Chains::from_vertex(base),
+        }
+    }
+
     /// Adds a face: its corners' vertex numbers and positions, in order. Angles make the result independent of how
     /// polygons were cut into triangles.
     pub fn add_face(&mut self, group: u32, corners: &[(u32, DVec3)]) {
@@ -48,14 +55,18 @@ pub(super) fn face_normal(corners: impl Iterator<Item = DVec3> + Clone) -> Optio
 /// On models of a million faces this takes a fifth of the time of a hash map.
 #[derive(Debug)]
 pub(super) struct Chains<K, V> {
-    /// By vertex: one more than the position of its first link, 0 for none.
+    /// The lowest vertex number that occurs: an object of many uses a narrow range of the model's vertices.
+    base: u32,
+    /// By vertex from `base` on: one more than the position of its first link, 0 for none.
     first: Vec<u32>,
     links: Vec<(K, V, u32)>,
 }
 
-impl<K, V> Default for Chains<K, V> {
-    fn default() -> Self {
+impl<K, V> Chains<K, V> {
+    /// An empty map for vertices from `base` on.
+    pub fn from_vertex(base: u32) -> Self {
         Chains {
+            base,
             first: Vec::new(),
             links: Vec::new(),
         }
@@ -64,7 +75,8 @@ impl<K, V> Default for Chains<K, V> {
 
 impl<K: PartialEq + Copy, V> Chains<K, V> {
     fn find(&self, vertex: u32, key: K) -> Option<usize> {
-        let mut at = self.first.get(vertex as usize).copied().unwrap_or(0);
+        let index = vertex.checked_sub(self.base)?;
+        let mut at = self.first.get(index as usize).copied().unwrap_or(0);
         while let Some((known, _, next)) = self.links.get((at as usize).wrapping_sub(1)) {
             if *known == key {
                 return Some(at as usize - 1);
@@ -84,7 +96,7 @@ impl<K: PartialEq + Copy, V> Chains<K, V> {
     /// The value of a vertex under a key, first made by `new` where there is none.
     pub fn entry(&mut self, vertex: u32, key: K, new: impl FnOnce() -> V) -> &mut V {
         let at = self.find(vertex, key).unwrap_or_else(|| {
-            let vertex = vertex as usize;
+            let vertex = vertex.saturating_sub(self.base) as usize;
             if self.first.len() <= vertex {
                 self.first.resize(vertex + 1, 0);
             }
@@ -104,7 +116,7 @@ mod tests {
     #[test]
     fn a_cube_corner_points_along_its_diagonal() {
         let (o, x, y, z) = (DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z);
-        let mut normals = SmoothNormals::default();
+        let mut normals = SmoothNormals::from_vertex(0);
         normals.add_face(1, &[(0, o), (2, y), (3, x + y), (1, x)]);
         normals.add_face(1, &[(0, o), (4, z), (6, y + z)]);
         normals.add_face(1, &[(0, o), (6, y + z), (2, y)]);

@@ -335,3 +335,29 @@ fn a_library_that_is_not_named_but_lies_beside_the_model_is_used() {
     assert_eq!(scene.materials.len(), 1);
     assert_eq!(diags.iter().map(|d| d.code).collect::<Vec<_>>(), ["O0215"]);
 }
+
+#[test]
+fn what_would_be_missed_in_the_picture_is_told() {
+    let codes = |mtl: &str| material(mtl).2.iter().map(|d| d.code).collect::<Vec<_>>();
+    assert_eq!(codes("disp bump.png"), ["O0216"]);
+    assert_eq!(codes("map_Kd -mm 0.1 2 bump.png"), ["O0217"]);
+    assert!(codes("Ka 1 1 1\nmap_Ka bump.png\nillum 2").is_empty());
+    let SurfaceModel::Principled(p) = material("map_Ks bump.png").0.surface else {
+        panic!()
+    };
+    assert!(p.specular_color.texture.is_some());
+}
+
+/// Each object's table of vertices must not grow with the model: 3000 objects would take minutes.
+#[test]
+fn many_objects_of_few_faces_load_in_proportion() {
+    let object = |i: usize| format!("o part{i}\nv {i} 0 0\nv {i} 1 0\nv {i} 0 1\ns 1\nf -3 -2 -1\n");
+    let scene = quiet(&(0..3000).map(object).collect::<String>());
+    assert_eq!(scene.meshes.len(), 3000);
+    assert!(
+        scene
+            .meshes
+            .iter()
+            .all(|m| m.triangles.len() == 1 && m.positions.len() == 3)
+    );
+}
