@@ -268,7 +268,8 @@ fn models_with_changed_bytes_load_or_are_refused() {
     let obj =
         b"mtllib a.mtl\no one\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0.2 0.3 0\nvt 0 0\nvt 1 1\nvn 0 0 1\ns 1\nusemtl m\n\
         f 1/1/1 2/2 3//1 -1\ns off\no two\nusemtl n\nf 1 2 3\nf 4 3 2 1 # end\n";
-    let mtl = b"newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 50\nd 0.5\nmap_Kd -s 2 2 -o 0.1 a.png\nbump -bm 2 b.png\n\
+    let mtl =
+        b"newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 50\nd 0.5\nmap_Kd -s 2 2 -o 0.1 a.png\nbump -bm 2 b_normal.png\n\
         newmtl n\nillum 4\nNi 1.4\nTf 1 1 0\nPr 0.4\n";
     let mut random = Random(11);
     let mut loaded = 0;
@@ -277,6 +278,7 @@ fn models_with_changed_bytes_load_or_are_refused() {
         files.insert("a.obj", mutated(obj, &mut random));
         files.insert("a.mtl", mutated(mtl, &mut random));
         files.insert("a.png", b"not decoded here".as_slice());
+        files.insert("b_normal.png", b"nor here".as_slice());
         let mut diags = Diagnostics::default();
         let scene = load(Path::new("a.obj"), &files, &ObjOptions::default(), &mut diags);
         assert_eq!(scene.is_none(), diags.has_errors());
@@ -285,6 +287,7 @@ fn models_with_changed_bytes_load_or_are_refused() {
             let n = mesh.positions.len();
             assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < n));
             assert!(mesh.normals.is_empty() || mesh.normals.len() == n);
+            assert!(mesh.tangents.is_empty() || mesh.tangents.len() == n);
             assert!(mesh.uvs.iter().all(|uv| uv.len() == n));
             assert!(mesh.face_materials.iter().all(|&s| (s as usize) < mesh.materials.len()));
         }

@@ -4,6 +4,7 @@ use super::clean::{Cleaned, FaceInfo};
 use super::normals::{Chains, SmoothNormals, face_normal};
 use super::polygon::triangulate;
 use super::report::Report;
+use super::tangents::add_tangents;
 use crate::diag::Diagnostic;
 use crate::math::color::linear_from_srgb;
 use crate::scene::{Material, MaterialId, Mesh, Object, Place, Scene, Shape, SurfaceModel, Texture};
@@ -43,7 +44,11 @@ pub(super) fn add_meshes(
         let line = named.map_or(1, |o| o.line);
         let mut builder = Builder::new(cleaned, &source, faces.clone());
         builder.add_faces(cleaned, materials, colored, report);
-        let mesh = builder.finish(name);
+        let mut mesh = builder.finish(name);
+        let normal_mapped = |m: &MaterialId| scene.materials.get(m.index()).is_some_and(|m| m.normal_map.is_some());
+        if mesh.materials.iter().flatten().any(normal_mapped) {
+            add_tangents(&mut mesh);
+        }
         if mesh.dropped_faces > 0 {
             let message = format!(
                 "{} triangles of {name:?} have no area and are left out",

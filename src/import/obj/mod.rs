@@ -17,6 +17,7 @@ mod mtl;
 mod normals;
 mod polygon;
 mod report;
+mod tangents;
 #[cfg(test)]
 mod tests;
 mod texture;
