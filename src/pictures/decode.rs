@@ -3,7 +3,7 @@
 use super::decode_exr;
 use super::{Picture, Texels};
 use crate::diag::Diagnostic;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::io::Cursor;
 
 /// What a decoder may use. Sizes are checked before any texel is allocated.
@@ -67,14 +67,14 @@ fn decode_with_image(bytes: &[u8], format: ImageFormat, limits: Limits) -> Resul
     let mut bounds = image::Limits::no_limits();
     bounds.max_alloc = Some(limits.max_bytes);
     reader.limits(bounds);
-    let decoder = reader.into_decoder().map_err(|e| damaged(label, &e.to_string()))?;
+    let decoder = reader.into_decoder().map_err(|e| failed(label, e, limits))?;
     let (width, height) = decoder.dimensions();
     check_size(label, width.into(), height.into(), limits)?;
     // Some decoders ignore the limit they are given, so that the size of the result is checked here too.
     if decoder.total_bytes() > limits.max_bytes {
         return Err(too_large(label, width.into(), height.into(), limits));
     }
-    let image = DynamicImage::from_decoder(decoder).map_err(|e| damaged(label, &e.to_string()))?;
+    let image = DynamicImage::from_decoder(decoder).map_err(|e| failed(label, e, limits))?;
     let texels = texels_from(image);
     if texels.len() as u64 != u64::from(width) * u64::from(height) {
         return Err(damaged(label, "it holds fewer texels than its header promises"));
@@ -129,6 +129,23 @@ fn has_extension(name: &str, extension: &str) -> bool {
         .is_some_and(|(_, e)| e.eq_ignore_ascii_case(extension))
 }
 
+/// An error of the decoder in our words; its own begin with the format, which has been named already.
+fn failed(label: &str, error: ImageError, limits: Limits) -> Diagnostic {
+    if let ImageError::Limits(_) = error {
+        let most = limits.max_bytes >> 20;
+        let message = format!("{label} image is too large: decoding it would take more than {most} MiB");
+        return Diagnostic::error("I0004", message).hint(SCALE_DOWN);
+    }
+    let text = error.to_string();
+    let reason = match text.split_once(": ") {
+        Some((prefix, reason)) if prefix.starts_with("Format error") => reason,
+        _ => &text,
+    };
+    damaged(label, reason)
+}
+
+const SCALE_DOWN: &str = "scale it down; a damaged header can also claim such a size";
+
 /// A file of a known format whose content is broken.
 pub(super) fn damaged(label: &str, reason: &str) -> Diagnostic {
     let reason: String = reason.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -145,7 +162,7 @@ fn too_large(label: &str, width: u64, height: u64, limits: Limits) -> Diagnostic
             limits.max_bytes >> 20
         ),
     )
-    .hint("scale it down; a damaged header can also claim such a size")
+    .hint(SCALE_DOWN)
 }
 
 fn unsupported(format: &str) -> Diagnostic {

@@ -209,4 +209,72 @@ mod tests {
             "I0006"
         );
     }
+
+    /// Files of other programs: half floats, every lossless compression, tiles, several parts.
+    #[test]
+    fn other_layouts_give_the_same_numbers() {
+        use exr::prelude::f16;
+        let (width, height) = (37_usize, 21_usize);
+        let value = |i: usize, c: usize| f16::from_f32((i * 3 + c) as f32 * 0.01 - 1.0);
+        let tiles = Blocks::Tiles(exr::math::Vec2(16, 8));
+        let layouts = [
+            (Compression::Uncompressed, Blocks::ScanLines),
+            (Compression::RLE, Blocks::ScanLines),
+            (Compression::ZIP1, Blocks::ScanLines),
+            (Compression::PIZ, Blocks::ScanLines),
+            (Compression::PIZ, tiles),
+            (Compression::ZIP16, tiles),
+        ];
+        for (compression, blocks) in layouts {
+            let layer = |name: &str, scale: f32| {
+                let channels = ["R", "G", "B"].into_iter().enumerate().map(|(c, letter)| {
+                    let samples = (0..width * height)
+                        .map(|i| f16::from_f32(value(i, c).to_f32() * scale))
+                        .collect();
+                    AnyChannel::new(letter, FlatSamples::F16(samples))
+                });
+                let encoding = Encoding {
+                    compression,
+                    blocks,
+                    line_order: LineOrder::Unspecified,
+                };
+                let encoding = match blocks {
+                    Blocks::ScanLines => Encoding {
+                        line_order: LineOrder::Increasing,
+                        ..encoding
+                    },
+                    Blocks::Tiles(_) => encoding,
+                };
+                let channels = AnyChannels::sort(channels.collect());
+                Layer::new((width, height), LayerAttributes::named(name), encoding, channels)
+            };
+            let window = exr::meta::attribute::IntegerBounds::from_dimensions((width, height));
+            let attributes = exr::meta::header::ImageAttributes::new(window);
+            let layers: Vec<_> = vec![layer("main", 1.0), layer("extra", 2.0)];
+            let mut file = Cursor::new(Vec::new());
+            Image::from_layers(attributes, layers)
+                .write()
+                .to_buffered(&mut file)
+                .expect("encodes");
+            let bytes = file.into_inner();
+            let picture = decode(&bytes, "a.exr", Limits::default()).expect("decodes");
+            let Texels::RgbF32(texels) = picture.texels else {
+                panic!("not RGB")
+            };
+            for (i, texel) in texels.iter().enumerate() {
+                assert_eq!(
+                    *texel,
+                    [0, 1, 2].map(|c| value(i, c).to_f32()),
+                    "{compression:?} {blocks:?} pixel {i}"
+                );
+            }
+            let image = read_exr_channels(&bytes, Limits::default()).expect("reads");
+            let names: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).collect();
+            assert_eq!(names, ["main.B", "main.G", "main.R", "extra.B", "extra.G", "extra.R"]);
+            assert_eq!(
+                image.f32_channel("extra.G").expect("there")[5],
+                value(5, 1).to_f32() * 2.0
+            );
+        }
+    }
 }

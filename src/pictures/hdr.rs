@@ -33,8 +33,10 @@ pub fn encode(size: [u32; 2], rgb: &[[f32; 3]], metadata: &[(String, String)]) -
         return Err(error(format!("found {} colours", rgb.len())));
     }
     let non_finite = rgb.iter().filter(|p| p.iter().any(|v| !v.is_finite())).count() as u64;
-    // `max` takes NaN to 0.
-    let pixels: Vec<Rgb<f32>> = rgb.iter().map(|p| Rgb(p.map(|v| v.max(0.0).min(LARGEST)))).collect();
+    let pixels: Vec<Rgb<f32>> = rgb
+        .iter()
+        .map(|p| Rgb(p.map(|v| if v.is_nan() { 0.0 } else { v.clamp(0.0, LARGEST) })))
+        .collect();
     let mut coded = Vec::new();
     HdrEncoder::new(&mut coded)
         .encode(&pixels, width as usize, height as usize)

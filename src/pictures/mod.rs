@@ -9,6 +9,7 @@ mod decode;
 mod decode_exr;
 mod encode_exr;
 mod error;
+mod exr_channels;
 pub mod hdr;
 pub mod jpeg;
 mod picture;
@@ -23,8 +24,8 @@ pub use quantize::{Quantized, Transfer, quantize};
 
 /// OpenEXR: all channels by name, both ways.
 pub mod exr {
-    pub use super::decode_exr::{ExrChannel, ExrImage, ExrSamples, read_channels};
     pub use super::encode_exr::{ChannelData, NamedChannel, encode};
+    pub use super::exr_channels::{ExrChannel, ExrImage, ExrSamples, read_channels};
 }
 
-pub use decode_exr::read_channels as read_exr_channels;
+pub use exr_channels::read_channels as read_exr_channels;

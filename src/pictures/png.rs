@@ -2,7 +2,7 @@
 
 use super::EncodeError;
 use super::quantize::{Quantized, Transfer};
-use png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
+use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
 /// The longest keyword that the format allows, in bytes.
 const MAX_KEYWORD: usize = 79;
@@ -29,6 +29,7 @@ fn write(pixels: &Quantized, metadata: &[(String, String)], out: &mut Vec<u8>) -
         ColorType::Rgb
     });
     encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
     if pixels.transfer == Transfer::Srgb {
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     }

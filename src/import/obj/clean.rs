@@ -48,16 +48,15 @@ pub(super) struct Cleaned {
     pub libraries: Vec<Named>,
     /// Whether vertices have colours.
     pub has_colors: bool,
-    positions: u64,
-    texcoords: u64,
-    normals: u64,
+    /// How many `v`, `vt` and `vn` there were.
+    pub counts: [u64; 3],
     other_elements: u64,
 }
 
 impl Cleaned {
     /// What there is, for a message.
     pub fn inventory(&self) -> String {
-        let (v, other) = (self.positions, self.other_elements);
+        let ([v, ..], other) = (self.counts, self.other_elements);
         format!("{v} vertices and {other} points, lines or curves")
     }
 }
@@ -138,14 +137,16 @@ pub(super) fn clean(bytes: &[u8], report: &mut Report) -> Cleaned {
     pass.out
 }
 
-struct Pass<'a> {
-    out: Cleaned,
+/// The state of the pass over a model.
+pub(super) struct Pass<'a> {
+    pub out: Cleaned,
     scan: Scan,
     report: &'a mut Report,
-    state: FaceInfo,
+    /// What the next face will carry.
+    pub state: FaceInfo,
     material_ids: HashMap<String, u32>,
     /// Corners of the face at hand: indices from 1 in the text for `tobj`.
-    corners: Vec<[u64; 3]>,
+    pub corners: Vec<[u64; 3]>,
 }
 
 impl Pass<'_> {
@@ -154,7 +155,8 @@ impl Pass<'_> {
         let _ = writeln!(self.out.obj, "{line}");
     }
 
-    fn push(&mut self, diagnostic: Diagnostic) {
+    /// Reports something about the statement at hand.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
         self.report.push(self.state.line, diagnostic);
     }
 
@@ -233,7 +235,7 @@ impl Pass<'_> {
     }
 
     fn vertex(&mut self, statement: &[u8]) {
-        self.out.positions += 1;
+        self.out.counts[0] += 1;
         let Some(values) = self.numbers(statement, 3, "vertex `v`") else {
             return;
         };
@@ -269,7 +271,7 @@ impl Pass<'_> {
     }
 
     fn texcoord(&mut self, statement: &[u8]) {
-        self.out.texcoords += 1;
+        self.out.counts[1] += 1;
         let Some(values) = self.numbers(statement, 1, "texture coordinate `vt`") else {
             return;
         };
@@ -285,7 +287,7 @@ impl Pass<'_> {
     }
 
     fn normal(&mut self, statement: &[u8]) {
-        self.out.normals += 1;
+        self.out.counts[2] += 1;
         let Some(values) = self.numbers(statement, 3, "normal `vn`") else {
             return;
         };
@@ -295,84 +297,6 @@ impl Pass<'_> {
             .unwrap_or(DVec3::ZERO)
             .as_vec3();
         self.emit(format_args!("vn {} {} {}", n.x, n.y, n.z));
-    }
-
-    fn face(&mut self, statement: &[u8]) {
-        self.corners.clear();
-        for word in words(statement).skip(1) {
-            match self.corner(word) {
-                // A corner given twice in a row adds no edge.
-                Some(corner) if self.corners.last().is_some_and(|last| last[0] == corner[0]) => {}
-                Some(corner) => self.corners.push(corner),
-                None => return,
-            }
-        }
-        if self.corners.len() > 1 && self.corners.first().map(|c| c[0]) == self.corners.last().map(|c| c[0]) {
-            self.corners.pop();
-        }
-        if self.corners.len() < 3 {
-            let message = format!(
-                "face `f` has {} different corners, expected at least 3; it is left out",
-                self.corners.len()
-            );
-            self.push(Diagnostic::warning("O0106", message));
-            return;
-        }
-        self.out.obj.push(b'f');
-        for [v, vt, vn] in &self.corners {
-            let _ = write!(self.out.obj, " {v}/{vt}/{vn}");
-        }
-        self.out.obj.push(b'\n');
-        self.out.faces.push(self.state);
-    }
-
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`; each counts from 1, or backwards from the last one if negative.
-    fn corner(&mut self, word: &[u8]) -> Option<[u64; 3]> {
-        let counts = [self.out.positions, self.out.texcoords, self.out.normals];
-        let mut corner = [0, 1, 1];
-        for (kind, part) in word.split(|&b| b == b'/').enumerate() {
-            let (Some(&count), Some(target)) = (counts.get(kind), corner.get_mut(kind)) else {
-                self.malformed_corner(word);
-                return None;
-            };
-            if part.is_empty() && kind > 0 {
-                continue;
-            }
-            let Some(index) = std::str::from_utf8(part).ok().and_then(|p| p.parse::<i64>().ok()) else {
-                self.malformed_corner(word);
-                return None;
-            };
-            let absolute = if index < 0 {
-                (count as i64).checked_add(index).map_or(0, |i| i.max(-1) + 1)
-            } else {
-                index
-            };
-            if absolute >= 1 && absolute as u64 <= count {
-                // The first texture coordinate and normal of the text are ours.
-                *target = absolute as u64 + u64::from(kind > 0);
-                continue;
-            }
-            let name = ["vertex", "texture coordinate", "normal"][kind];
-            let zero = if index == 0 { "; indices count from 1" } else { "" };
-            let message = format!("face `f` refers to {name} {index}, there are {count} so far{zero}");
-            if kind == 0 {
-                let hint = "a vertex must stand above the faces that use it; the file may be incomplete";
-                self.push(Diagnostic::error("O0107", message).hint(hint));
-                return None;
-            }
-            let message = format!("{message}; the corner is taken without one");
-            self.push(Diagnostic::warning("O0108", message));
-        }
-        Some(corner)
-    }
-
-    fn malformed_corner(&mut self, word: &[u8]) {
-        let message = format!(
-            "face `f` has a malformed corner: found `{}`, expected v, v/vt, v//vn or v/vt/vn",
-            text(word)
-        );
-        let hint = "indices are whole numbers, at most three to a corner";
-        self.push(Diagnostic::error("O0109", message).hint(hint));
     }
 
     fn object(&mut self, name: String) {

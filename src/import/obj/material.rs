@@ -5,7 +5,7 @@
 //! roughness matches the Phong lobe; everything else is diffuse. `Ka` has no meaning in a path tracer.
 
 use super::clean::Cleaned;
-use super::mtl::{Library, Map, Mtl};
+use super::mtl::{Library, Mtl};
 use super::report::Report;
 use super::texture::Textures;
 use crate::diag::Diagnostic;
@@ -97,7 +97,7 @@ impl Mapping<'_, '_> {
         };
         match self.textures.add(map, Encoding::Srgb, self.scene, self.report) {
             Some(texture) => ColorInput {
-                factor: written.filter(|c| *c != DVec3::ZERO).unwrap_or(DVec3::ONE) * gain(map),
+                factor: written.filter(|c| *c != DVec3::ZERO).unwrap_or(DVec3::ONE) * map.gain,
                 texture: Some(texture),
             },
             None => written.unwrap_or(default).into(),
@@ -111,7 +111,7 @@ impl Mapping<'_, '_> {
         };
         match self.textures.add(map, Encoding::Linear, self.scene, self.report) {
             Some(texture) => ScalarInput {
-                factor: written.filter(|v| *v != 0.0).unwrap_or(1.0) * gain(map),
+                factor: written.filter(|v| *v != 0.0).unwrap_or(1.0) * map.gain,
                 texture: Some((texture, map.channel.unwrap_or(Channel::R))),
             },
             None => written.unwrap_or(default).into(),
@@ -138,7 +138,9 @@ impl Mapping<'_, '_> {
             || ["map_pr", "map_pm", "map_ps"]
                 .iter()
                 .any(|k| self.mtl.maps.contains_key(k));
-        let ks = self.mtl.colors.get("ks").copied().unwrap_or(DVec3::ZERO);
+        // A texture without a factor stands for itself.
+        let unwritten = if self.mtl.maps.contains_key("map_ks") { 0.5 } else { 0.0 };
+        let ks = self.mtl.colors.get("ks").copied().unwrap_or(DVec3::splat(unwritten));
         let has_map_d = self.mtl.maps.contains_key("map_d");
         match illum {
             // Exporters choose 4 for cut-out leaves too; index 1 bends nothing and is plain transparency.
@@ -214,11 +216,17 @@ impl Mapping<'_, '_> {
     fn highlight(&mut self, kd: ColorInput, ks: DVec3) -> SurfaceModel {
         let strongest = ks.max_element();
         let f0_scale = 2.0 * strongest;
+        let tint = ks / strongest * f0_scale.max(1.0);
+        let mut specular_color = ColorInput::constant(tint);
+        if let Some(map) = self.mtl.maps.get("map_ks") {
+            specular_color.factor *= map.gain;
+            specular_color.texture = self.textures.add(map, Encoding::Srgb, self.scene, self.report);
+        }
         SurfaceModel::Principled(Box::new(Principled {
             base_color: kd,
             roughness: self.roughness().into(),
             specular: f0_scale.min(1.0).into(),
-            specular_color: (ks / strongest * f0_scale.max(1.0)).into(),
+            specular_color,
             ..Principled::default()
         }))
     }
@@ -314,10 +322,4 @@ fn diffuse(color: ColorInput) -> SurfaceModel {
         color,
         sigma: 0.0.into(),
     }
-}
-
-/// The factor of `-mm`; a base other than 0 has no counterpart and is dropped.
-fn gain(map: &Map) -> f64 {
-    let [_, gain] = map.base_gain;
-    gain
 }

@@ -1,14 +1,14 @@
 //! Polygons with separate indices to the scene's triangle meshes, one an object.
 
 use super::clean::{Cleaned, FaceInfo};
-use super::normals::{SmoothNormals, face_normal};
+use super::normals::{Chains, SmoothNormals, face_normal};
 use super::polygon::triangulate;
 use super::report::Report;
+use super::tangents::add_tangents;
 use crate::diag::Diagnostic;
 use crate::math::color::linear_from_srgb;
 use crate::scene::{Material, MaterialId, Mesh, Object, Place, Scene, Shape, SurfaceModel, Texture};
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use std::collections::HashMap;
 use std::ops::Range;
 
 /// Adds one mesh and one object for each `o` that has faces. `materials` has an entry for each of
@@ -44,7 +44,11 @@ pub(super) fn add_meshes(
         let line = named.map_or(1, |o| o.line);
         let mut builder = Builder::new(cleaned, &source, faces.clone());
         builder.add_faces(cleaned, materials, colored, report);
-        let mesh = builder.finish(name);
+        let mut mesh = builder.finish(name);
+        let normal_mapped = |m: &MaterialId| scene.materials.get(m.index()).is_some_and(|m| m.normal_map.is_some());
+        if mesh.materials.iter().flatten().any(normal_mapped) {
+            add_tangents(&mut mesh);
+        }
         if mesh.dropped_faces > 0 {
             let message = format!(
                 "{} triangles of {name:?} have no area and are left out",
@@ -136,7 +140,7 @@ fn triple(values: &[f32], index: u32) -> Vec3 {
 
 /// Where the normal of a corner comes from; corners that agree in this, position and texture coordinate
 /// become one vertex.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum NormalKey {
     /// The mesh has no normals at all.
     Absent,
@@ -152,7 +156,7 @@ struct Builder<'a> {
     faces: Range<usize>,
     has_normals: bool,
     smooth: SmoothNormals,
-    vertices: HashMap<(u32, u32, NormalKey), u32>,
+    vertices: Chains<(u32, NormalKey), u32>,
     positions: Vec<DVec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
@@ -163,13 +167,19 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(cleaned: &Cleaned, source: &'a Source, faces: Range<usize>) -> Builder<'a> {
+        let base = faces
+            .clone()
+            .flat_map(|f| source.corners(f))
+            .map(|c| source.vertex(c))
+            .min()
+            .unwrap_or(0);
         let mut builder = Builder {
             source,
             origin: cleaned.origin,
             faces,
             has_normals: false,
-            smooth: SmoothNormals::default(),
-            vertices: HashMap::new(),
+            smooth: SmoothNormals::from_vertex(base),
+            vertices: Chains::from_vertex(base),
             positions: Vec::new(),
             uvs: Vec::new(),
             normals: Vec::new(),
@@ -250,11 +260,11 @@ impl<'a> Builder<'a> {
             None if info.smoothing > 0 => NormalKey::Smooth(info.smoothing),
             None => NormalKey::Flat(face as u32),
         };
-        if let Some(&known) = self.vertices.get(&(vertex, uv_index, key)) {
+        if let Some(&known) = self.vertices.get(vertex, (uv_index, key)) {
             return known;
         }
         let new = self.positions.len() as u32;
-        self.vertices.insert((vertex, uv_index, key), new);
+        self.vertices.entry(vertex, (uv_index, key), || new);
         self.positions.push(self.origin + source.position(vertex).as_dvec3());
         self.uvs.push(uv);
         if self.has_normals {

@@ -9,6 +9,7 @@
 //! the top left here.
 
 mod clean;
+mod face;
 mod lines;
 mod material;
 mod mesh;
@@ -16,6 +17,9 @@ mod mtl;
 mod normals;
 mod polygon;
 mod report;
+mod tangents;
+#[cfg(test)]
+mod tests;
 mod texture;
 
 use crate::diag::{Diagnostic, Diagnostics};
@@ -55,7 +59,7 @@ fn load_bytes(path: &Path, bytes: &[u8], files: &dyn Files, report: &mut Report)
         );
         return None;
     }
-    let cleaned = clean::clean(bytes, report);
+    let mut cleaned = clean::clean(bytes, report);
     if report.has_errors() {
         return None;
     }
@@ -74,12 +78,19 @@ fn load_bytes(path: &Path, bytes: &[u8], files: &dyn Files, report: &mut Report)
         ..Scene::default()
     };
     let directory = path.parent().map(Path::to_owned).unwrap_or_default();
-    let library = mtl::load_libraries(&cleaned.libraries, &directory, files, report);
-    let materials = material::add_materials(&cleaned, &library, files, &mut scene, report);
     let stem = path
         .file_stem()
         .map(|s| s.to_string_lossy().into_owned())
         .unwrap_or_default();
+    let beside = format!("{stem}.mtl");
+    if cleaned.libraries.is_empty() && !cleaned.materials.is_empty() && files.exists(&directory.join(&beside)) {
+        // Some programs write the library and forget to name it.
+        let message = format!("model names no material library; {beside:?} beside it is used");
+        report.push(1, Diagnostic::note("O0215", message));
+        cleaned.libraries.push(clean::Named { name: beside, line: 1 });
+    }
+    let library = mtl::load_libraries(&cleaned.libraries, &directory, files, report);
+    let materials = material::add_materials(&cleaned, &library, files, &mut scene, report);
     mesh::add_meshes(&cleaned, &materials, &stem, &mut scene, report)?;
     Some(scene)
 }

@@ -27,8 +27,8 @@ pub(super) struct Map {
     pub bump: f64,
     /// `-imfchan`.
     pub channel: Option<Channel>,
-    /// `-mm`: the value is `base + gain · texel`.
-    pub base_gain: [f64; 2],
+    /// The second number of `-mm`, a factor on the texel.
+    pub gain: f64,
     /// `model.mtl:17`.
     pub place: String,
     /// Directory that file names are relative to.
@@ -55,21 +55,13 @@ const COLORS: [&str; 4] = ["kd", "ks", "ke", "tf"];
 const NUMBERS: [&str; 12] = [
     "ns", "ni", "d", "tr", "illum", "pr", "pm", "ps", "pc", "pcr", "aniso", "anisor",
 ];
-const MAPS: [&str; 11] = [
-    "map_kd", "map_ks", "map_ke", "map_ns", "map_d", "map_pr", "map_pm", "map_ps", "bump", "norm", "map_tr",
+const MAPS: [&str; 10] = [
+    "map_kd", "map_ks", "map_ke", "map_d", "map_pr", "map_pm", "map_ps", "bump", "norm", "map_tr",
 ];
-/// Known, but without meaning here.
-const IGNORED: [&str; 9] = [
-    "ka",
-    "map_ka",
-    "sharpness",
-    "map_aat",
-    "decal",
-    "disp",
-    "refl",
-    "map_refl",
-    "map_tf",
-];
+/// Known, but without meaning in a path tracer.
+const IGNORED: [&str; 4] = ["ka", "map_ka", "sharpness", "map_aat"];
+/// Known, and missed in the picture.
+const UNSUPPORTED: [&str; 7] = ["decal", "disp", "map_disp", "refl", "map_refl", "map_tf", "map_ns"];
 
 /// Reads the libraries that the model names. One `mtllib` may name several files; names may hold blanks.
 pub(super) fn load_libraries(libraries: &[Named], directory: &Path, files: &dyn Files, report: &mut Report) -> Library {
@@ -180,6 +172,11 @@ impl Parser<'_> {
             if let Some(map) = self.map(&text(after_keyword(statement))) {
                 mtl.maps.insert(key, map);
             }
+        } else if UNSUPPORTED.contains(&keyword) {
+            self.warn(
+                "O0216",
+                format!("material property `{keyword}` is not supported and left out"),
+            );
         } else if !IGNORED.contains(&keyword) {
             let shown: String = keyword.chars().take(24).filter(|c| !c.is_control()).collect();
             self.warn(
@@ -252,7 +249,7 @@ impl Parser<'_> {
             clamp: false,
             bump: 1.0,
             channel: None,
-            base_gain: [0.0, 1.0],
+            gain: 1.0,
             place: self.place(),
             directory: self.directory.clone(),
         };
@@ -263,7 +260,17 @@ impl Parser<'_> {
                 "-s" => leading_numbers(&mut rest, &mut map.scale),
                 "-o" => leading_numbers(&mut rest, &mut map.offset),
                 "-t" => leading_numbers(&mut rest, &mut [0.0; 2]),
-                "-mm" => leading_numbers(&mut rest, &mut map.base_gain),
+                "-mm" => {
+                    let mut base_gain = [0.0, map.gain];
+                    leading_numbers(&mut rest, &mut base_gain);
+                    if base_gain[0] != 0.0 {
+                        self.warn(
+                            "O0217",
+                            "the base of texture option `-mm` is not supported and taken as 0".to_owned(),
+                        );
+                    }
+                    map.gain = base_gain[1];
+                }
                 "-bm" => {
                     let mut value = [map.bump];
                     leading_numbers(&mut rest, &mut value);

@@ -103,7 +103,7 @@ mod tests {
         for n in [3_u32, 5, 40] {
             let corner = |i: u32| {
                 let (r, angle) = (
-                    if i % 2 == 0 { 1.0 } else { 0.3 },
+                    if i.is_multiple_of(2) { 1.0 } else { 0.3 },
                     f64::from(i) * std::f64::consts::PI / f64::from(n),
                 );
                 turn * DVec3::new(angle.cos() * r, angle.sin() * r, 0.0) + DVec3::splat(1e3)

@@ -116,7 +116,7 @@ mod tests {
             clamp: false,
             bump: 1.0,
             channel: None,
-            base_gain: [0.0, 1.0],
+            gain: 1.0,
             place: String::new(),
             directory: PathBuf::new(),
         };
