@@ -228,9 +228,8 @@ const MAX_STORED: usize = 1000;
 impl Diagnostics {
     /// Adds one, unless the same one (severity, code, message, place) was told already.
     pub fn push(&mut self, d: Diagnostic) {
-        if self.items.len() < MAX_STORED && !self.items.contains(&d) {
-            self.items.push(d);
-        } else if d.severity == Severity::Error && !self.has_errors() {
+        let is_first_error = d.severity == Severity::Error && !self.has_errors();
+        if is_first_error || (self.items.len() < MAX_STORED && !self.items.contains(&d)) {
             self.items.push(d);
         }
     }

@@ -216,6 +216,7 @@ mod tests {
     use super::*;
     use crate::files::MemoryFiles;
 
+    #[allow(clippy::result_large_err)] // tests want to see it
     fn kind(name: &str, content: &[u8]) -> Result<Kind, Diagnostic> {
         let mut files = MemoryFiles::default();
         files.insert(name, content);

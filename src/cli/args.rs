@@ -188,7 +188,7 @@ pub struct SamplingArgs {
 /// How scenes are read, for all commands that read one.
 #[derive(Args, Clone, Debug)]
 pub struct LoadArgs {
-    /// Directory in which #include and images are looked up, after the scene's own. Can be repeated.
+    /// Directory in which #include and images are looked up, after the scene's own and before those of POVINC. Can be repeated.
     #[arg(short = 'I', long = "include", value_name = "DIR", help_heading = SCENE)]
     pub include: Vec<PathBuf>,
     /// Declare an identifier before the text scene is read: -D radius=2. Can be repeated.

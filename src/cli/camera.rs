@@ -1,6 +1,6 @@
 //! `--camera`: a camera of the scene by name, or one made from numbers.
 
-use crate::diag::Diagnostic;
+use crate::diag::{Diagnostic, Diagnostics};
 use crate::scene::{Aspect, Camera, Projection, Scene};
 use glam::DVec3;
 use std::fmt;
@@ -97,13 +97,13 @@ fn angle(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Makes the named camera the active one.
-pub fn select(scene: &mut Scene, name: &str) -> Result<(), Diagnostic> {
+/// Makes the named camera the active one, or reports which ones there are.
+pub fn select(scene: &mut Scene, name: &str, diags: &mut Diagnostics) {
     let by_name = scene.cameras.iter().position(|c| c.name == name);
     let by_number = || name.parse::<usize>().ok().filter(|i| *i < scene.cameras.len());
     if let Some(index) = by_name.or_else(by_number) {
         scene.active_camera = Some(index);
-        return Ok(());
+        return;
     }
     let found = format!("there is no camera `{name}`");
     let names: Vec<&str> = scene
@@ -117,17 +117,22 @@ pub fn select(scene: &mut Scene, name: &str) -> Result<(), Diagnostic> {
         (0, n) => format!("its cameras have no names; choose one by number, 0 to {}", n - 1),
         _ => format!("its cameras are: {}", names.join(", ")),
     };
-    Err(Diagnostic::error("C0001", found).hint(hint))
+    diags.push(Diagnostic::error("C0001", found).hint(hint));
 }
 
 /// Replaces numbers of `base`; `aspect` is the picture's width divided by its height.
-/// The image plane keeps its shape and its handedness.
-pub fn apply(spec: &CameraSpec, base: &Camera, aspect: f64) -> Result<Camera, Diagnostic> {
+/// The image plane keeps its shape and its handedness. `None` if it was reported why there is no such camera.
+pub fn apply(spec: &CameraSpec, base: &Camera, aspect: f64, diags: &mut Diagnostics) -> Option<Camera> {
     let mut camera = base.clone();
     camera.location = spec.location.unwrap_or(base.location);
     if spec.look_at.is_some() || spec.sky.is_some() {
         let towards = spec.look_at.map_or(base.direction, |at| at - camera.location);
-        aim(&mut camera, base, towards, spec.sky)?;
+        if towards.try_normalize().is_none() {
+            let error = Diagnostic::error("C0002", "--camera looks at the point where it stands");
+            diags.push(error.hint("give a look_at that differs from location"));
+            return None;
+        }
+        aim(&mut camera, base, towards.normalize(), spec.sky);
     }
     if let Some(at) = spec.look_at {
         camera.focus_distance = camera.location.distance(at);
@@ -135,7 +140,8 @@ pub fn apply(spec: &CameraSpec, base: &Camera, aspect: f64) -> Result<Camera, Di
     if let Some(degrees) = spec.angle_deg {
         if camera.projection == Projection::Orthographic {
             let message = "--camera angle=… has no meaning for an orthographic camera";
-            return Err(Diagnostic::error("C0003", message).hint("leave the angle out"));
+            diags.push(Diagnostic::error("C0003", message).hint("leave the angle out"));
+            return None;
         }
         let width = match camera.aspect {
             Aspect::AsWritten => camera.right.length(),
@@ -143,15 +149,12 @@ pub fn apply(spec: &CameraSpec, base: &Camera, aspect: f64) -> Result<Camera, Di
         };
         camera.direction = camera.direction.normalize() * (0.5 * width / (0.5 * degrees.to_radians()).tan());
     }
-    Ok(camera)
+    Some(camera)
 }
 
-/// Turns `camera` towards `towards` with `sky` as close to upwards as can be. The lengths of the three vectors stay.
-fn aim(camera: &mut Camera, base: &Camera, towards: DVec3, sky: Option<DVec3>) -> Result<(), Diagnostic> {
-    let Some(ahead) = towards.try_normalize() else {
-        let message = "--camera looks at the point where it stands";
-        return Err(Diagnostic::error("C0002", message).hint("give a look_at that differs from location"));
-    };
+/// Turns `camera` to the unit vector `ahead` with `sky` as close to upwards as can be. The lengths of the three
+/// vectors stay.
+fn aim(camera: &mut Camera, base: &Camera, ahead: DVec3, sky: Option<DVec3>) {
     // Straight up or down, world y says nothing; the scene's own camera or an axis does.
     let candidates = [sky.unwrap_or(DVec3::Y), base.up, base.direction, DVec3::Z, DVec3::X];
     let across = candidates.iter().find_map(|sky| {
@@ -165,7 +168,6 @@ fn aim(camera: &mut Camera, base: &Camera, towards: DVec3, sky: Option<DVec3>) -
     camera.direction = ahead * base.direction.length();
     camera.right = across * (side * base.right.length());
     camera.up = ahead.cross(across).normalize() * base.up.length();
-    Ok(())
 }
 
 #[cfg(test)]
@@ -177,6 +179,13 @@ mod tests {
             Ok(CameraChoice::Spec(spec)) => spec,
             other => panic!("{text} is {other:?}"),
         }
+    }
+
+    #[allow(clippy::result_large_err)] // tests want to see it
+    fn apply(spec: &CameraSpec, base: &Camera, aspect: f64) -> Result<Camera, Diagnostic> {
+        let mut diags = Diagnostics::default();
+        let camera = super::apply(spec, base, aspect, &mut diags);
+        camera.ok_or_else(|| diags.iter().next().cloned().expect("a refusal has a reason"))
     }
 
     /// A camera as glTF has it: looks along −z, x to the right, y up, right-handed.
@@ -260,9 +269,12 @@ mod tests {
                 ..Camera::default()
             });
         }
-        assert!(select(&mut scene, "Back").is_ok());
+        let mut diags = Diagnostics::default();
+        select(&mut scene, "Back", &mut diags);
+        assert!(diags.is_empty());
         assert_eq!(scene.active_camera, Some(1));
-        let wrong = select(&mut scene, "Side").unwrap_err();
-        assert!(wrong.hints[0].contains("Front, Back"), "{wrong:?}");
+        select(&mut scene, "Side", &mut diags);
+        let hints: Vec<_> = diags.iter().flat_map(|d| &d.hints).collect();
+        assert!(hints[0].contains("Front, Back"), "{hints:?}");
     }
 }

@@ -64,9 +64,8 @@ fn check(path: &Path, args: &CheckArgs, sources: &mut SourceMap, diags: &mut Dia
     let mut scene = scene::read(&path, &files, &options, sources, diags)?;
     let [width, height] = scene.defaults.resolution.unwrap_or(SIZE);
     if scene.handedness == Handedness::Right || scene.active_camera.is_none() {
-        if let Some(note) = framing::frame(&mut scene, f64::from(width) / f64::from(height)) {
-            diags.push(note);
-        }
+        let note = framing::frame(&mut scene, f64::from(width) / f64::from(height));
+        note.into_iter().for_each(|note| diags.push(note));
     }
     compile(&scene, &files, width, height, diags)?;
     Some(scene)

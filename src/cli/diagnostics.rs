@@ -8,6 +8,9 @@ use std::ops::Range;
 /// No more diagnostics of one severity than this are shown as text; the rest is counted.
 const MOST_SHOWN: usize = 20;
 
+/// A fix in a longer line is told in words.
+const MOST_COLUMNS: usize = 200;
+
 /// Lines shown above and below what is underlined when a source is cut out of its file.
 const CONTEXT_LINES: usize = 2;
 
@@ -68,12 +71,14 @@ fn one_to_text(d: &Diagnostic, sources: &SourceMap) -> String {
     for hint in &d.hints {
         group = group.element(Level::HELP.message(hint.as_str()));
     }
-    let mut report = vec![group];
-    if let Some(fix) = &d.fix
-        && let Some(source) = sources.get(fix.span.file)
-    {
-        report.push(patch(fix, source));
+    let fix = d.fix.as_ref().and_then(|fix| Some((fix, sources.get(fix.span.file)?)));
+    let (patches, words): (Vec<_>, Vec<_>) = fix.into_iter().partition(|(fix, source)| has_short_lines(fix, source));
+    for (fix, source) in words {
+        let old = &source.text[clamp(fix.span, &source.text)];
+        group = group.element(Level::HELP.message(format!("write `{}` instead of `{old}`", fix.replacement)));
     }
+    let mut report = vec![group];
+    report.extend(patches.into_iter().map(|(fix, source)| patch(fix, source)));
     Renderer::styled().render(&report)
 }
 
@@ -130,6 +135,13 @@ fn snippets<'a>(group: Group<'a>, source: &'a SourceFile, labels: &[&'a Label]) 
     })
 }
 
+/// Whether the changed lines can be shown whole: lines written by machines may have megabytes.
+fn has_short_lines(fix: &Fix, source: &SourceFile) -> bool {
+    let window = window(&source.text, &clamp(fix.span, &source.text));
+    source.text[window].lines().all(|line| line.len() <= MOST_COLUMNS)
+}
+
+/// The fix as a change of its lines.
 fn patch<'a>(fix: &'a Fix, source: &'a SourceFile) -> Group<'a> {
     let range = clamp(fix.span, &source.text);
     let window = window(&source.text, &range);
@@ -271,6 +283,19 @@ mod tests {
             shown.contains("5 - sfere { 0, 1 }") && shown.contains("5 + sphere { 0, 1 }"),
             "{shown}"
         );
+    }
+
+    #[test]
+    fn a_fix_in_an_endless_line_is_told_in_words() {
+        let text = format!("{} sfere {}", "a ".repeat(100_000), "b ".repeat(100_000));
+        let mut sources = SourceMap::default();
+        let file = sources.add("a.pts", text.as_str());
+        let at = span(file, &text, "sfere");
+        let mut found = Diagnostics::default();
+        found.push(Diagnostic::error("P0201", "unknown").at(at, "").with_fix(at, "sphere"));
+        let shown = plain(&found, &sources);
+        assert!(shown.contains("write `sphere` instead of `sfere`"), "{shown}");
+        assert!(shown.len() < 1000, "{} bytes are shown", shown.len());
     }
 
     #[test]

@@ -9,6 +9,7 @@ use crate::import::framing;
 use crate::load::{self, LoadOptions, STDIN_NAME, StdinFiles};
 use crate::scene::{Environment, EnvironmentKind, Handedness, Image, ImageId, ImageSource, Place, Scene};
 use glam::{DMat3, DVec3};
+use std::ffi::OsStr;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -28,8 +29,9 @@ pub fn open(scene: &Path) -> std::io::Result<(StdinFiles<DiskFiles>, PathBuf)> {
 
 /// What the front ends are told by the flags; `size` is what the command line says of the picture's size.
 pub fn load_options(args: &LoadArgs, size: [Option<u32>; 2]) -> LoadOptions {
+    let installed = std::env::var_os("POVINC").unwrap_or_default();
     LoadOptions {
-        include_dirs: args.include.clone(),
+        include_dirs: include_dirs(&args.include, &installed),
         defines: args.define.clone(),
         width: size[0],
         height: size[1],
@@ -37,6 +39,12 @@ pub fn load_options(args: &LoadArgs, size: [Option<u32>; 2]) -> LoadOptions {
         gltf_scene: args.gltf_scene.clone(),
         variant: args.variant.clone(),
     }
+}
+
+/// The directories of `-I`, then those of POV-Ray's variable.
+fn include_dirs(flags: &[PathBuf], installed: &OsStr) -> Vec<PathBuf> {
+    let installed = std::env::split_paths(installed).filter(|dir| !dir.as_os_str().is_empty());
+    flags.iter().cloned().chain(installed).collect()
 }
 
 /// Reads a scene. A file that cannot even be looked at is told in the same words for all kinds.
@@ -64,10 +72,8 @@ pub fn read(
 
 /// Chooses the camera that is named, before the size of the picture is decided by it.
 pub fn select_camera(scene: &mut Scene, view: &ViewArgs, diags: &mut Diagnostics) {
-    if let Some(CameraChoice::Name(name)) = &view.camera
-        && let Err(wrong) = camera::select(scene, name)
-    {
-        diags.push(wrong);
+    if let Some(CameraChoice::Name(name)) = &view.camera {
+        camera::select(scene, name, diags);
     }
 }
 
@@ -90,13 +96,10 @@ pub fn finish(scene: &mut Scene, view: &ViewArgs, size: [u32; 2], console: &Cons
     }
     if let Some(CameraChoice::Spec(spec)) = &view.camera {
         let base = scene.camera().cloned().unwrap_or_default();
-        match camera::apply(spec, &base, aspect) {
-            Ok(camera) => {
-                console.detail(&format!("camera: {camera:?}"));
-                scene.cameras.push(camera);
-                scene.active_camera = Some(scene.cameras.len() - 1);
-            }
-            Err(wrong) => diags.push(wrong),
+        if let Some(camera) = camera::apply(spec, &base, aspect, diags) {
+            console.detail(&format!("camera: {camera:?}"));
+            scene.cameras.push(camera);
+            scene.active_camera = Some(scene.cameras.len() - 1);
         }
     }
 }
@@ -147,6 +150,14 @@ mod tests {
             env_map: None,
             light_scale: None,
         }
+    }
+
+    #[test]
+    fn the_directories_of_flags_come_before_those_of_the_environment() {
+        let installed = std::env::join_paths(["c", "d"]).unwrap();
+        let dirs = include_dirs(&["b".into(), "a".into()], &installed);
+        assert_eq!(dirs, ["b", "a", "c", "d"].map(PathBuf::from));
+        assert!(include_dirs(&[], OsStr::new("")).is_empty());
     }
 
     #[test]
