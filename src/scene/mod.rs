@@ -6,6 +6,7 @@
 //! ([`Scene::handedness`]).
 
 mod camera;
+mod dump;
 mod image;
 mod light;
 mod material;

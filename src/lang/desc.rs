@@ -1,0 +1,423 @@
+//! What blocks describe, before anything is drawn: shared, so that a declared object costs its size once. `lower::emit`
+//! turns what the scene reaches into the IR; what is only declared is never looked at again.
+
+use crate::diag::Span;
+use crate::scene::{FinishReflection, Mesh, RenderDefaults, Shape, Visibility};
+use glam::{DAffine3, DVec3};
+use std::path::PathBuf;
+use std::rc::Rc;
+
+/// A block as a value.
+#[derive(Clone, Debug)]
+pub enum Desc {
+    /// An object or lamp.
+    Object(Rc<ObjectDesc>),
+    /// A texture, layers from the bottom up.
+    Texture(Layers),
+    /// A pigment.
+    Pigment(Rc<Pigment>),
+    /// A finish.
+    Finish(Rc<FinishDesc>),
+    /// A normal: noted, not drawn yet.
+    Normal(Span),
+    /// An interior.
+    Interior(Rc<InteriorDesc>),
+    /// A material.
+    Material(Look),
+    /// A transform.
+    Transform(DAffine3),
+    /// A camera.
+    Camera(Rc<CameraDesc>),
+    /// A colour, pigment or texture map: its average over [0, 1].
+    Map(Rc<Pigment>),
+    /// A sky sphere: its average colour.
+    Sky(Rc<Pigment>),
+    /// Something that is parsed and has no effect yet.
+    Opaque(&'static str),
+}
+
+impl Desc {
+    /// What messages call it.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Desc::Object(o) => match o.shape {
+                ShapeDesc::Light(_) => "a light source",
+                _ => "an object",
+            },
+            Desc::Texture(_) => "a texture",
+            Desc::Pigment(_) => "a pigment",
+            Desc::Finish(_) => "a finish",
+            Desc::Normal(_) => "a normal",
+            Desc::Interior(_) => "an interior",
+            Desc::Material(_) => "a material",
+            Desc::Transform(_) => "a transform",
+            Desc::Camera(_) => "a camera",
+            Desc::Map(_) => "a map",
+            Desc::Sky(_) => "a sky sphere",
+            Desc::Opaque(kind) => kind,
+        }
+    }
+}
+
+/// Texture layers from the bottom up.
+pub type Layers = Rc<[Rc<Layer>]>;
+
+/// An object: a shape, placed and painted.
+#[derive(Clone, Debug)]
+pub struct ObjectDesc {
+    /// What it is.
+    pub shape: ShapeDesc,
+    /// From the shape's space to its parent's.
+    pub transform: DAffine3,
+    /// How it looks; empty inherits.
+    pub look: Look,
+    /// Which rays see it.
+    pub visibility: Visibility,
+    /// Where it was written.
+    pub span: Span,
+}
+
+impl ObjectDesc {
+    /// An unpainted object in place.
+    pub fn new(shape: ShapeDesc, span: Span) -> ObjectDesc {
+        ObjectDesc {
+            shape,
+            transform: DAffine3::IDENTITY,
+            look: Look::default(),
+            visibility: Visibility::default(),
+            span,
+        }
+    }
+}
+
+/// A shape of the language.
+#[derive(Clone, Debug)]
+pub enum ShapeDesc {
+    /// One the IR has.
+    Primitive(Rc<Shape>),
+    /// Triangles.
+    Mesh(Rc<MeshDesc>),
+    /// Several objects.
+    Union(Rc<[Rc<ObjectDesc>]>),
+    /// A lamp.
+    Light(Rc<LightDesc>),
+    /// A glTF or OBJ file.
+    Model(Rc<ModelDesc>),
+    /// One that cannot be drawn yet: its word.
+    Unsupported(&'static str),
+}
+
+/// Triangles with a look for each slot; slot 0 is the object's own.
+#[derive(Debug)]
+pub struct MeshDesc {
+    /// Geometry without materials.
+    pub mesh: Mesh,
+    /// Looks of slots 1, 2, ….
+    pub looks: Vec<Look>,
+}
+
+/// A model to be loaded when it is drawn.
+#[derive(Debug)]
+pub struct ModelDesc {
+    /// `gltf` or `obj`.
+    pub kind: crate::lang::ModelKind,
+    /// The file as found.
+    pub path: PathBuf,
+    /// The scene asked for.
+    pub scene: Option<String>,
+    /// The material variant asked for.
+    pub variant: Option<String>,
+    /// Where it is named.
+    pub span: Span,
+}
+
+/// How a surface and its inside look.
+#[derive(Clone, Debug, Default)]
+pub struct Look {
+    /// POV-Ray's texture, if there is one.
+    pub layers: Option<Layers>,
+    /// One of the language's own materials, which then counts instead.
+    pub surface: Option<Rc<SurfaceDesc>>,
+    /// What fills the inside.
+    pub interior: Option<Rc<InteriorDesc>>,
+}
+
+impl Look {
+    /// Whether it says nothing about the surface.
+    pub fn is_bare(&self) -> bool {
+        self.layers.is_none() && self.surface.is_none()
+    }
+}
+
+/// One layer of a texture.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Colour.
+    pub pigment: Rc<Pigment>,
+    /// Light response.
+    pub finish: Rc<FinishDesc>,
+    /// Where a normal is perturbed, if it is.
+    pub normal: Option<Span>,
+    /// Where it was written, unless it is the default.
+    pub span: Option<Span>,
+}
+
+/// A colour, or the average colour of a pattern.
+#[derive(Clone, Debug)]
+pub struct Pigment {
+    /// Red, green, blue, filter, transmit, in the scene's working gamma.
+    pub color: [f64; 5],
+    /// The pattern it stands for, with its place.
+    pub pattern: Option<(&'static str, Span)>,
+}
+
+impl Pigment {
+    /// A plain colour.
+    pub fn plain(color: [f64; 5]) -> Pigment {
+        Pigment { color, pattern: None }
+    }
+}
+
+/// POV-Ray's finish as written.
+#[derive(Clone, Debug)]
+pub struct FinishDesc {
+    /// `ambient`.
+    pub ambient: DVec3,
+    /// `emission`.
+    pub emission: DVec3,
+    /// `diffuse`, front and back.
+    pub diffuse: [f64; 2],
+    /// `brilliance`.
+    pub brilliance: f64,
+    /// `phong`.
+    pub phong: f64,
+    /// `phong_size`.
+    pub phong_size: f64,
+    /// `specular`.
+    pub specular: f64,
+    /// `roughness`.
+    pub roughness: f64,
+    /// `metallic`.
+    pub metallic: f64,
+    /// `reflection`.
+    pub reflection: Option<FinishReflection>,
+    /// `conserve_energy`.
+    pub conserve_energy: bool,
+}
+
+impl Default for FinishDesc {
+    fn default() -> FinishDesc {
+        FinishDesc {
+            ambient: DVec3::splat(0.1),
+            emission: DVec3::ZERO,
+            diffuse: [0.6, 0.0],
+            brilliance: 1.0,
+            phong: 0.0,
+            phong_size: 40.0,
+            specular: 0.0,
+            roughness: 0.05,
+            metallic: 0.0,
+            reflection: None,
+            conserve_energy: false,
+        }
+    }
+}
+
+/// POV-Ray's interior as written.
+#[derive(Clone, Debug, Default)]
+pub struct InteriorDesc {
+    /// `ior`, if written.
+    pub ior: Option<f64>,
+    /// `fade_distance`, if written.
+    pub fade_distance: Option<f64>,
+    /// `fade_power`, if written.
+    pub fade_power: Option<f64>,
+    /// `fade_color`.
+    pub fade_color: DVec3,
+    /// Absorption per unit length.
+    pub absorption: DVec3,
+    /// Where a medium that is not drawn yet stands.
+    pub media: Option<Span>,
+}
+
+/// One of the language's own materials.
+#[derive(Clone, Debug)]
+pub struct SurfaceDesc {
+    /// Which one.
+    pub model: ModelSurface,
+    /// `emission`, in the scene's working gamma.
+    pub emission: Option<Rc<Pigment>>,
+    /// Where it was written.
+    pub span: Span,
+}
+
+/// The materials that POV-Ray lacks. Colours are in the scene's working gamma.
+#[derive(Clone, Debug)]
+pub enum ModelSurface {
+    /// Lambert or Oren–Nayar.
+    Diffuse { color: Rc<Pigment>, sigma: f64 },
+    /// Mirror.
+    Specular { color: Rc<Pigment> },
+    /// Dielectric solid.
+    Glass {
+        color: Rc<Pigment>,
+        ior: f64,
+        roughness: f64,
+        abbe: Option<f64>,
+        absorption: DVec3,
+    },
+    /// Coated or metallic.
+    Glossy {
+        color: Rc<Pigment>,
+        roughness: f64,
+        ior: f64,
+        metal: bool,
+    },
+    /// Thin sheet.
+    Translucent { color: Rc<Pigment>, transmit: f64 },
+    /// The glTF set.
+    Principled(Box<PrincipledDesc>),
+    /// (1 − weight)·a + weight·b.
+    Mix { a: Look, b: Look, weight: f64 },
+    /// Only emission.
+    Black,
+}
+
+/// `principled { … }`: colours here, the rest as in the IR.
+#[derive(Clone, Debug)]
+pub struct PrincipledDesc {
+    /// `base_color`.
+    pub base_color: Rc<Pigment>,
+    /// `specular_color`.
+    pub specular_color: Rc<Pigment>,
+    /// `sheen_color`.
+    pub sheen_color: Rc<Pigment>,
+    /// `diffuse_transmission_color`.
+    pub diffuse_transmission_color: Rc<Pigment>,
+    /// The numbers; its colours are not used.
+    pub numbers: crate::scene::Principled,
+    /// `absorption`.
+    pub absorption: DVec3,
+}
+
+/// A lamp in its own space.
+#[derive(Clone, Debug)]
+pub struct LightDesc {
+    /// Place.
+    pub position: DVec3,
+    /// Colour in the scene's working gamma.
+    pub color: DVec3,
+    /// Where spotlights and parallel lights point.
+    pub point_at: DVec3,
+    /// `parallel`.
+    pub parallel: bool,
+    /// `spotlight`: half angles in degrees and tightness.
+    pub spot: Option<[f64; 3]>,
+    /// `area_light`: its edges.
+    pub area: Option<[DVec3; 2]>,
+    /// `circular`.
+    pub circular: bool,
+    /// `fade_distance`, 0 for none.
+    pub fade_distance: f64,
+    /// `fade_power`, 0 for none.
+    pub fade_power: f64,
+    /// `shadowless`.
+    pub shadowless: bool,
+    /// `looks_like`, in the space of the lamp's place.
+    pub looks_like: Option<Rc<ObjectDesc>>,
+    /// Where it was written.
+    pub span: Span,
+}
+
+/// A camera as written; `None` is the default.
+#[derive(Clone, Debug)]
+pub struct CameraDesc {
+    /// `location`.
+    pub location: DVec3,
+    /// `look_at`.
+    pub look_at: Option<DVec3>,
+    /// `right`.
+    pub right: Option<DVec3>,
+    /// `up`.
+    pub up: Option<DVec3>,
+    /// `sky`.
+    pub sky: DVec3,
+    /// `direction`.
+    pub direction: DVec3,
+    /// `angle` in degrees.
+    pub angle: Option<f64>,
+    /// `orthographic`.
+    pub orthographic: bool,
+    /// A projection that cannot be drawn yet.
+    pub unsupported: Option<(&'static str, Span)>,
+    /// `lens_radius`.
+    pub lens_radius: Option<f64>,
+    /// `focus_distance`.
+    pub focus_distance: Option<f64>,
+    /// `aperture`: the diameter.
+    pub aperture: f64,
+    /// `focal_point`.
+    pub focal_point: Option<DVec3>,
+    /// `blur_samples`.
+    pub blur_samples: f64,
+    /// Transforms behind the rest.
+    pub transform: DAffine3,
+    /// Where it was written.
+    pub span: Span,
+}
+
+/// Light from infinitely far away as written.
+#[derive(Clone, Debug)]
+pub enum SkyDesc {
+    /// One colour, in the scene's working gamma.
+    Color(DVec3, Option<(&'static str, Span)>),
+    /// An image.
+    Image {
+        /// File as found.
+        path: PathBuf,
+        /// Factor.
+        strength: f64,
+        /// Degrees.
+        rotate: DVec3,
+    },
+}
+
+/// How written colours relate to linear light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Gamma {
+    /// Colours are linear.
+    Linear,
+    /// Colours are display values of this exponent.
+    Power(f64),
+    /// Colours are sRGB display values.
+    Srgb,
+}
+
+/// The scene as described.
+#[derive(Debug, Default)]
+pub struct SceneDesc {
+    /// What stands in it.
+    pub objects: Vec<Rc<ObjectDesc>>,
+    /// The camera written last.
+    pub camera: Option<Rc<CameraDesc>>,
+    /// `#default { camera … }` is not separate: it starts every camera.
+    pub default_camera: Option<Rc<CameraDesc>>,
+    /// `background`, where.
+    pub background: Option<(SkyDesc, Span)>,
+    /// `sky_sphere`, where.
+    pub sky_sphere: Option<(SkyDesc, Span)>,
+    /// `environment`, where.
+    pub environment: Option<(SkyDesc, Span)>,
+    /// `render { … }`.
+    pub defaults: RenderDefaults,
+    /// `assumed_gamma`, if written.
+    pub gamma: Option<Gamma>,
+    /// Whether `#version` was written.
+    pub version_given: bool,
+    /// Whether the file is in this language rather than POV-Ray's.
+    pub is_native: bool,
+    /// `ambient_light`.
+    pub ambient_light: Option<DVec3>,
+    /// Texture that textures start from and untextured objects get.
+    pub default_layer: Option<Rc<Layer>>,
+}

@@ -1,0 +1,376 @@
+//! From the description to the IR: what the scene reaches is converted, once for each shared thing. What cannot be drawn
+//! is an error here, and only here.
+
+use super::emit_material::Materials;
+use crate::diag::{Diagnostic, Span};
+use crate::lang::desc::{LightDesc, Look, ModelDesc, ObjectDesc, ShapeDesc, SkyDesc};
+use crate::lang::eval::Interp;
+use crate::lang::transform::rotation_deg;
+use crate::lang::{ModelRequest, desc::Pigment};
+use crate::scene::{
+    Environment, EnvironmentKind, Falloff, GroupId, Image, ImageSource, Light, LightKind, MeshId, Object, Place, Scene,
+    Shape, SpotProfile,
+};
+use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// What was converted already, by the address of its description (which is kept alive by the scene's).
+#[derive(Default)]
+pub struct Emitted {
+    groups: HashMap<*const (), (GroupId, bool)>,
+    meshes: HashMap<*const (), Option<MeshId>>,
+    models: HashMap<String, Option<(GroupId, Vec<Light>)>>,
+    pub(super) materials: Materials,
+}
+
+impl Interp<'_> {
+    /// Converts all that the scene reaches. Errors are reported.
+    pub fn emit(&mut self) -> Scene {
+        let mut out = Scene {
+            display_is_linear: self.display_is_linear(),
+            defaults: self.scene.defaults.clone(),
+            ..Scene::default()
+        };
+        let mut done = Emitted::default();
+        let default = Look {
+            layers: Some(Rc::new([self.default_layer()])),
+            ..Look::default()
+        };
+        let objects = std::mem::take(&mut self.scene.objects);
+        for object in &objects {
+            if let Some(o) = self.emit_object(object, DAffine3::IDENTITY, &mut out, &mut done) {
+                out.objects.push(o);
+            }
+        }
+        if out.objects.iter().any(|o| !has_own_material(o, &out)) {
+            out.default_material = self.emit_look(&default, &mut out, &mut done.materials);
+            self.warn_black_default(&objects);
+        }
+        if let Some(camera) = self.scene.camera.clone().or(self.scene.default_camera.clone())
+            && let Ok(camera) = self.final_camera(&camera)
+        {
+            out.cameras.push(camera);
+            out.active_camera = Some(0);
+        }
+        self.emit_environment(&mut out);
+        out
+    }
+
+    fn warn_black_default(&mut self, objects: &[Rc<ObjectDesc>]) {
+        if self.version >= 3.8
+            || self
+                .scene
+                .default_layer
+                .as_ref()
+                .is_some_and(|l| l.pigment.color[..3] != [0.0; 3])
+        {
+            return;
+        }
+        let bare = objects.iter().find(|o| o.look.is_bare() && is_primitive(&o.shape));
+        if let Some(object) = bare {
+            let d =
+                Diagnostic::warning("P0318", "object has no texture and is black, as in POV-Ray").at(object.span, "");
+            self.report(d.hint("give it a `pigment { … }` or a `material { … }`"));
+        }
+    }
+
+    fn emit_object(
+        &mut self,
+        object: &ObjectDesc,
+        parent: DAffine3,
+        out: &mut Scene,
+        done: &mut Emitted,
+    ) -> Option<Object> {
+        let to_world = parent * object.transform;
+        let mut transform = object.transform;
+        let mut override_material = false;
+        let shape = match &object.shape {
+            ShapeDesc::Primitive(shape) => (**shape).clone(),
+            ShapeDesc::Mesh(mesh) => Shape::Mesh(self.emit_mesh(mesh, out, done)?),
+            ShapeDesc::Union(children) => Shape::Group(self.emit_union(children, to_world, out, done)?),
+            ShapeDesc::Light(light) => {
+                self.emit_light(light, to_world, out);
+                let shown = light.looks_like.as_ref()?;
+                // The thing a lamp looks like stands at the lamp and does not shade it.
+                let place = object.transform * DAffine3::from_translation(light.position);
+                let mut o = self.emit_object(shown, parent * place, out, done)?;
+                o.transform = place * o.transform;
+                o.visibility.shadow = false;
+                return Some(o);
+            }
+            ShapeDesc::Model(model) => {
+                // Models are right-handed: mirrored, they look as their author meant.
+                let mirror = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
+                override_material = true;
+                transform *= mirror;
+                Shape::Group(self.emit_model(model, to_world * mirror, out, done)?)
+            }
+            ShapeDesc::Unsupported(word) => {
+                let message = format!("`{word}` is not supported yet");
+                let d = Diagnostic::error("P0404", message).at(object.span, "drawn from here");
+                self.report(d);
+                return None;
+            }
+        };
+        if !crate::lang::transform::is_invertible(&to_world) {
+            self.error(
+                "P0310",
+                object.span,
+                "transforms leave the range of numbers: the object vanishes or is infinite",
+            );
+            return None;
+        }
+        let material = if object.look.is_bare() && object.look.interior.is_none() {
+            None
+        } else {
+            self.emit_look(&object.look, out, &mut done.materials)
+        };
+        Some(Object {
+            shape,
+            transform,
+            override_material: override_material && material.is_some(),
+            material,
+            visibility: object.visibility,
+            name: String::new(),
+            place: Place::Text(object.span),
+        })
+    }
+
+    fn emit_mesh(
+        &mut self,
+        desc: &Rc<crate::lang::desc::MeshDesc>,
+        out: &mut Scene,
+        done: &mut Emitted,
+    ) -> Option<MeshId> {
+        let key = Rc::as_ptr(desc).cast::<()>();
+        if let Some(&known) = done.meshes.get(&key) {
+            return known;
+        }
+        let mut mesh = desc.mesh.clone();
+        if !desc.looks.is_empty() {
+            mesh.materials.push(None);
+            for look in &desc.looks {
+                let material = self.emit_look(look, out, &mut done.materials);
+                mesh.materials.push(material);
+            }
+        }
+        let id = out.add_mesh(mesh);
+        done.meshes.insert(key, Some(id));
+        Some(id)
+    }
+
+    /// A union becomes a group, once however often it is placed; lamps inside are placed each time.
+    fn emit_union(
+        &mut self,
+        children: &Rc<[Rc<ObjectDesc>]>,
+        to_world: DAffine3,
+        out: &mut Scene,
+        done: &mut Emitted,
+    ) -> Option<GroupId> {
+        let key = Rc::as_ptr(children).cast::<()>();
+        let known = done.groups.get(&key).copied();
+        if let Some((id, has_lamps)) = known {
+            if has_lamps {
+                self.emit_lamps(children, to_world, out, done);
+            }
+            return Some(id);
+        }
+        let lamps = out.lights.len();
+        let mut objects = Vec::with_capacity(children.len());
+        for child in children.iter() {
+            if let Some(o) = self.emit_object(child, to_world, out, done) {
+                objects.push(o);
+            }
+        }
+        let id = out.add_group(objects);
+        done.groups.insert(key, (id, out.lights.len() > lamps));
+        Some(id)
+    }
+
+    /// The lamps of a group that is placed again.
+    fn emit_lamps(&mut self, children: &[Rc<ObjectDesc>], to_world: DAffine3, out: &mut Scene, done: &mut Emitted) {
+        for child in children {
+            let t = to_world * child.transform;
+            match &child.shape {
+                ShapeDesc::Light(light) => self.emit_light(light, t, out),
+                ShapeDesc::Union(inner) => self.emit_lamps(inner, t, out, done),
+                ShapeDesc::Model(model) => {
+                    let mirror = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
+                    self.emit_model(model, t * mirror, out, done);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn emit_light(&mut self, l: &LightDesc, to_world: DAffine3, out: &mut Scene) {
+        let color = self.linear(l.color);
+        if color.min_element() < 0.0 {
+            self.warn_once(
+                "P0309",
+                l.span,
+                "a lamp of negative brightness is left out where it is negative",
+            );
+        }
+        let color = color.max(DVec3::ZERO);
+        let falloff = match (l.fade_distance, l.fade_power) {
+            (d, p) if d > 0.0 && p > 0.0 => Falloff::Fade { distance: d, power: p },
+            _ => Falloff::None,
+        };
+        let axis = (l.point_at - l.position).try_normalize();
+        let spot = l.spot.map(|[radius, falloff, tightness]| SpotProfile::Pov {
+            radius: radius.to_radians(),
+            falloff: falloff.to_radians(),
+            tightness,
+        });
+        if (l.parallel || spot.is_some()) && axis.is_none() {
+            self.error(
+                "P0315",
+                l.span,
+                "lamp points at its own place: `point_at` must differ from it",
+            );
+            return;
+        }
+        let axis = axis.unwrap_or(DVec3::Z);
+        let position = l.position;
+        let kind = if l.parallel {
+            LightKind::Directional { direction: axis }
+        } else if let Some([axis1, axis2]) = l.area.filter(|[a, b]| a.cross(*b) != DVec3::ZERO) {
+            LightKind::Area {
+                position,
+                axis1,
+                axis2,
+                circular: l.circular,
+                spot: spot.map(|s| (axis, s)),
+                falloff,
+            }
+        } else if let Some(profile) = spot {
+            LightKind::Spot {
+                position,
+                axis,
+                profile,
+                falloff,
+            }
+        } else {
+            LightKind::Point { position, falloff }
+        };
+        let light = Light {
+            name: String::new(),
+            color,
+            kind,
+            casts_shadows: !l.shadowless,
+            place: Place::Text(l.span),
+        };
+        out.lights.push(light.transformed(to_world));
+    }
+
+    fn emit_model(
+        &mut self,
+        m: &ModelDesc,
+        to_world: DAffine3,
+        out: &mut Scene,
+        done: &mut Emitted,
+    ) -> Option<GroupId> {
+        let key = format!("{:?} {} {:?} {:?}", m.kind, m.path.display(), m.scene, m.variant);
+        if !done.models.contains_key(&key) {
+            let request = ModelRequest {
+                kind: m.kind,
+                path: m.path.clone(),
+                scene: m.scene.clone(),
+                variant: m.variant.clone(),
+                span: m.span,
+            };
+            let errors = self.diags.count(crate::diag::Severity::Error);
+            let loaded = (self.options.models)(&request, self.diags).map(|model| {
+                let lamps = out.lights.len();
+                let group = out.absorb(model, DAffine3::IDENTITY);
+                (group, out.lights.split_off(lamps))
+            });
+            if loaded.is_none() && self.diags.count(crate::diag::Severity::Error) == errors {
+                let message = format!("cannot load {}", m.path.display());
+                self.error("P0503", m.span, message);
+            }
+            done.models.insert(key.clone(), loaded);
+        }
+        let (group, lamps) = done.models.get(&key)?.as_ref()?;
+        out.lights.extend(lamps.iter().map(|l| l.clone().transformed(to_world)));
+        Some(*group)
+    }
+
+    fn emit_environment(&mut self, out: &mut Scene) {
+        let Some((sky, span)) = self
+            .scene
+            .environment
+            .take()
+            .or(self.scene.sky_sphere.take())
+            .or(self.scene.background.take())
+        else {
+            return;
+        };
+        let kind = match sky {
+            SkyDesc::Color(color, pattern) => {
+                if let Some((word, at)) = pattern {
+                    self.warn_pattern(word, at);
+                }
+                match self.linear(color).max(DVec3::ZERO) {
+                    DVec3::ZERO => EnvironmentKind::Black,
+                    c => EnvironmentKind::Constant(c),
+                }
+            }
+            SkyDesc::Image { path, strength, rotate } => EnvironmentKind::Image {
+                image: out.add_image(Image {
+                    name: path.display().to_string(),
+                    source: ImageSource::File(path),
+                    place: Place::Text(span),
+                }),
+                strength,
+                rotation: rotation_deg(rotate),
+            },
+        };
+        out.environment = Environment {
+            kind,
+            place: Place::Text(span),
+            ..Environment::default()
+        };
+    }
+
+    /// Tells, once a kind, that a pattern is drawn as its average colour.
+    pub fn warn_pattern(&mut self, word: &'static str, at: Span) {
+        self.warn_once(
+            "P0412",
+            at,
+            format!("`{word}` is not supported yet and is drawn in its average colour"),
+        );
+    }
+
+    /// The linear rgb of a pigment, patterns being told.
+    pub fn pigment_color(&mut self, p: &Pigment) -> DVec3 {
+        if let Some((word, at)) = p.pattern {
+            self.warn_pattern(word, at);
+        }
+        let [r, g, b, ..] = p.color;
+        self.linear(DVec3::new(r, g, b))
+    }
+}
+
+fn is_primitive(shape: &ShapeDesc) -> bool {
+    matches!(shape, ShapeDesc::Primitive(_) | ShapeDesc::Mesh(_))
+}
+
+/// Whether every surface of an object has a material of its own.
+fn has_own_material(object: &Object, scene: &Scene) -> bool {
+    if object.material.is_some() {
+        return true;
+    }
+    match object.shape {
+        Shape::Group(g) => match scene.groups.get(g.index()) {
+            Some(group) => group.objects.iter().all(|o| has_own_material(o, scene)),
+            None => true,
+        },
+        Shape::Mesh(m) => scene.meshes.get(m.index()).is_some_and(|m| {
+            !m.materials.is_empty() && (0..m.triangles.len()).all(|f| m.slot_material(m.slot(f)).is_some())
+        }),
+        _ => false,
+    }
+}

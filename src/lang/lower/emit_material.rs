@@ -1,0 +1,293 @@
+//! Looks to materials of the IR: POV-Ray's layers and the language's own surfaces. Equal looks give one material.
+
+use crate::lang::desc::{FinishDesc, InteriorDesc, Layer, Look, ModelSurface, SurfaceDesc};
+use crate::lang::eval::Interp;
+use crate::scene::{Finish, Interior, Material, MaterialId, Place, Scene, SurfaceModel};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// An `ambient` from here on is a glowing surface; below, it stood for indirect light, which we compute.
+const GLOWING_AMBIENT: f64 = 0.5;
+
+/// `fade_power` from here on is Beer's law.
+const EXPONENTIAL_FADE: f64 = 1000.0;
+
+/// Materials made already.
+#[derive(Default)]
+pub struct Materials {
+    /// By the look's parts: layers, surface, interior.
+    by_look: HashMap<[*const (); 3], Option<MaterialId>>,
+    /// By everything but the place.
+    by_value: HashMap<String, MaterialId>,
+}
+
+impl Interp<'_> {
+    /// The material of a look.
+    pub(super) fn emit_look(&mut self, look: &Look, out: &mut Scene, done: &mut Materials) -> Option<MaterialId> {
+        let key = [
+            look.layers
+                .as_ref()
+                .map_or(std::ptr::null(), |l| Rc::as_ptr(l).cast::<()>()),
+            look.surface.as_ref().map_or(std::ptr::null(), |s| Rc::as_ptr(s).cast()),
+            look.interior
+                .as_ref()
+                .map_or(std::ptr::null(), |i| Rc::as_ptr(i).cast()),
+        ];
+        if let Some(&known) = done.by_look.get(&key) {
+            return known;
+        }
+        let id = self.new_material(look, out, done);
+        done.by_look.insert(key, id);
+        id
+    }
+
+    fn new_material(&mut self, look: &Look, out: &mut Scene, done: &mut Materials) -> Option<MaterialId> {
+        let default = [self.default_layer()];
+        let mut material = match (&look.surface, &look.layers) {
+            (Some(surface), _) => self.surface_material(surface, out, done)?,
+            (None, Some(layers)) => self.layered(layers, look.interior.as_deref(), out, done),
+            (None, None) => self.layered(&default, look.interior.as_deref(), out, done),
+        };
+        if let Some(interior) = &look.interior {
+            material.interior.absorption += self.absorption_of(interior);
+            if let Some(at) = interior.media {
+                self.warn_once(
+                    "P0409",
+                    at,
+                    "`media` is not supported yet beyond absorption and is left out",
+                );
+            }
+        }
+        Some(add(material, out, done))
+    }
+
+    /// Layers from the bottom up: each covers what is below by its opacity and tints what shines through.
+    fn layered(
+        &mut self,
+        layers: &[Rc<Layer>],
+        interior: Option<&InteriorDesc>,
+        out: &mut Scene,
+        done: &mut Materials,
+    ) -> Material {
+        let is_opaque = |l: &Rc<Layer>| l.pigment.color[3] + l.pigment.color[4] <= 0.0;
+        let bottom = layers.iter().rposition(is_opaque).unwrap_or(0);
+        let mut rest = layers.iter().skip(bottom);
+        let mut tint = DVec3::ONE;
+        let mut above: Vec<(&Rc<Layer>, f64, DVec3)> = Vec::new();
+        // From the top down: how much of each layer is seen, and through which tint.
+        let first = rest.next();
+        for layer in rest.rev() {
+            let [_, _, _, filter, transmit] = layer.pigment.color;
+            let through = (filter + transmit).clamp(0.0, 1.0);
+            above.push((layer, 1.0 - through, tint));
+            if through > 0.0 {
+                let rgb = self.pigment_color(&layer.pigment);
+                tint *= (rgb * filter + DVec3::splat(transmit)) / through;
+            }
+        }
+        let Some(first) = first else {
+            return Material::new(SurfaceModel::Black);
+        };
+        let mut material = self.layer_material(first, interior, tint, false);
+        for (layer, opacity, tint) in above.into_iter().rev() {
+            let over = self.layer_material(layer, interior, tint, true);
+            let place = over.place.clone();
+            let emission = material.emission.factor * (1.0 - opacity) + over.emission.factor * opacity;
+            let (a, b) = (add(material, out, done), add(over, out, done));
+            material = Material::new(SurfaceModel::Mix {
+                a,
+                b,
+                weight: opacity.into(),
+            });
+            material.emission = emission.into();
+            material.place = place;
+        }
+        material
+    }
+
+    /// One layer, seen through `tint`; `solid` when its transparency is the mix's business.
+    fn layer_material(&mut self, layer: &Layer, interior: Option<&InteriorDesc>, tint: DVec3, solid: bool) -> Material {
+        if let Some(at) = layer.normal {
+            self.warn_once(
+                "P0409",
+                at,
+                "`normal` is not supported yet: the surface is drawn smooth",
+            );
+        }
+        let rgb = self.pigment_color(&layer.pigment) * tint;
+        if rgb.min_element() < 0.0 {
+            self.warn_once(
+                "P0309",
+                layer.span.unwrap_or(self.here()),
+                "a negative colour is read as 0 where it is negative",
+            );
+        }
+        let rgb = rgb.max(DVec3::ZERO);
+        let f = &layer.finish;
+        let [_, _, _, filter, transmit] = layer.pigment.color;
+        let (filter, transmit) = if solid {
+            (0.0, 0.0)
+        } else {
+            (filter.clamp(0.0, 1.0), transmit.clamp(0.0, 1.0))
+        };
+        let opacity = (1.0 - filter - transmit).clamp(0.0, 1.0);
+        let mut finish = finish_of(f);
+        finish.color = rgb.into();
+        finish.filter = filter;
+        finish.transmit = transmit.min(1.0 - filter);
+        finish.ior = interior
+            .and_then(|i| i.ior)
+            .filter(|_| filter + transmit > 0.0 || needs_ior(f));
+        let mut material = Material::new(SurfaceModel::Finish(Box::new(finish)));
+        let emission = (self.glow(f) + f.emission) * rgb * opacity;
+        material.emission = emission.max(DVec3::ZERO).into();
+        material.place = layer.span.map_or(Place::None, Place::Text);
+        material
+    }
+
+    /// The part of `ambient` that means a glowing surface.
+    fn glow(&self, f: &FinishDesc) -> DVec3 {
+        let glows =
+            f.ambient.max_element() >= GLOWING_AMBIENT || (f.diffuse[0] == 0.0 && f.ambient.max_element() > 0.1);
+        if glows {
+            f.ambient * self.scene.ambient_light.unwrap_or(DVec3::ONE)
+        } else {
+            DVec3::ZERO
+        }
+    }
+
+    /// Absorption per unit length of an interior. A fade other than Beer's law is matched at its own distance.
+    fn absorption_of(&mut self, i: &InteriorDesc) -> DVec3 {
+        let mut sigma = i.absorption;
+        let (Some(distance), Some(power)) = (i.fade_distance, i.fade_power) else {
+            return sigma;
+        };
+        if !(distance > 0.0 && power > 0.0) {
+            return sigma;
+        }
+        let color = self.linear(i.fade_color).clamp(DVec3::ZERO, DVec3::ONE);
+        sigma += if power >= EXPONENTIAL_FADE {
+            (DVec3::ONE - color) / distance
+        } else {
+            DVec3::from_array(color.to_array().map(|c| -(0.5 + 0.5 * c).ln())) / distance
+        };
+        sigma
+    }
+
+    fn surface_material(&mut self, s: &SurfaceDesc, out: &mut Scene, done: &mut Materials) -> Option<Material> {
+        let mut absorbs = DVec3::ZERO;
+        let model = match &s.model {
+            ModelSurface::Diffuse { color, sigma } => SurfaceModel::Diffuse {
+                color: self.pigment_color(color).into(),
+                sigma: (*sigma).into(),
+            },
+            ModelSurface::Specular { color } => SurfaceModel::Specular {
+                color: self.pigment_color(color).into(),
+            },
+            ModelSurface::Glass {
+                color,
+                ior,
+                roughness,
+                abbe,
+                absorption,
+            } => {
+                absorbs = *absorption;
+                SurfaceModel::Glass {
+                    color: self.pigment_color(color).into(),
+                    ior: *ior,
+                    roughness: (*roughness).into(),
+                    abbe: *abbe,
+                }
+            }
+            ModelSurface::Glossy {
+                color,
+                roughness,
+                ior,
+                metal,
+            } => SurfaceModel::Glossy {
+                color: self.pigment_color(color).into(),
+                roughness: (*roughness).into(),
+                ior: *ior,
+                metal: *metal,
+            },
+            ModelSurface::Translucent { color, transmit } => SurfaceModel::Translucent {
+                color: self.pigment_color(color).into(),
+                transmit: (*transmit).into(),
+            },
+            ModelSurface::Principled(p) => {
+                absorbs = p.absorption;
+                let mut numbers = p.numbers.clone();
+                numbers.base_color = self.pigment_color(&p.base_color).into();
+                numbers.specular_color = self.pigment_color(&p.specular_color).into();
+                numbers.sheen_color = self.pigment_color(&p.sheen_color).into();
+                numbers.diffuse_transmission_color = self.pigment_color(&p.diffuse_transmission_color).into();
+                SurfaceModel::Principled(Box::new(numbers))
+            }
+            ModelSurface::Mix { a, b, weight } => {
+                let a = self.emit_look(a, out, done)?;
+                let b = self.emit_look(b, out, done)?;
+                SurfaceModel::Mix {
+                    a,
+                    b,
+                    weight: (*weight).into(),
+                }
+            }
+            ModelSurface::Black => SurfaceModel::Black,
+        };
+        let mut material = Material::new(model);
+        if let SurfaceModel::Mix { a, b, weight } = &material.surface {
+            // A mix emits what its parts emit, in the same shares.
+            let of = |id: &MaterialId| out.materials.get(id.index()).map_or(DVec3::ZERO, |m| m.emission.factor);
+            let w = weight.factor;
+            material.emission = (of(a) * (1.0 - w) + of(b) * w).into();
+        }
+        if let Some(emission) = &s.emission {
+            let radiance = self.pigment_color(emission);
+            if radiance.min_element() < 0.0 {
+                self.error("P0311", s.span, "emission must not be negative");
+            }
+            material.emission = (material.emission.factor + radiance).into();
+        }
+        material.interior = Interior { absorption: absorbs };
+        material.place = Place::Text(s.span);
+        Some(material)
+    }
+}
+
+/// Whether a reflection asks for the index of refraction of an opaque thing.
+fn needs_ior(f: &FinishDesc) -> bool {
+    f.reflection.is_some_and(|r| r.fresnel)
+}
+
+fn finish_of(f: &FinishDesc) -> Finish {
+    Finish {
+        diffuse: f.diffuse[0].max(0.0),
+        diffuse_back: f.diffuse[1].max(0.0),
+        brilliance: f.brilliance.max(0.0),
+        phong: f.phong.max(0.0),
+        phong_size: f.phong_size.max(0.0),
+        specular: f.specular.max(0.0),
+        roughness: f.roughness,
+        metallic: f.metallic,
+        reflection: f.reflection,
+        conserve_energy: f.conserve_energy,
+        ..Finish::default()
+    }
+}
+
+/// Adds a material unless an equal one was added before.
+fn add(material: Material, out: &mut Scene, done: &mut Materials) -> MaterialId {
+    let place = material.place.clone();
+    let plain = Material {
+        place: Place::None,
+        ..material
+    };
+    let key = format!("{plain:?}");
+    if let Some(&known) = done.by_value.get(&key) {
+        return known;
+    }
+    let id = out.add_material(Material { place, ..plain });
+    done.by_value.insert(key, id);
+    id
+}

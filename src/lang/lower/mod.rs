@@ -1,0 +1,24 @@
+//! Words to descriptions, descriptions to the IR. Each file reads the blocks of one kind; `emit` draws what is reached.
+
+mod camera;
+mod csg;
+mod emit;
+mod emit_material;
+mod environment;
+mod finish;
+mod interior;
+mod item;
+mod light;
+mod material;
+mod mesh;
+mod model;
+mod modifier;
+mod object;
+mod pattern;
+mod pigment;
+mod settings;
+mod shapes;
+mod skip;
+mod texture;
+mod transform;
+mod words;

@@ -1,0 +1,178 @@
+//! What follows a shape: looks, transforms, visibility.
+
+use crate::lang::desc::{Layer, Look, ObjectDesc, ShapeDesc};
+use crate::lang::eval::{Interp, Parsed, T, Tok};
+use crate::lang::syntax::Word;
+use glam::DAffine3;
+use std::rc::Rc;
+
+impl Interp<'_> {
+    /// Reads one modifier; false if the token begins none.
+    pub fn modifier(&mut self, object: &mut ObjectDesc, tok: Tok) -> Parsed<bool> {
+        let w = match tok.t {
+            T::Word(w) => w,
+            // `sphere { 0, 1 Gold }`: POV-Ray wants the word, we take a declared look as well.
+            T::Name(_) => return self.named_look(object),
+            _ => return Ok(false),
+        };
+        if let Some(t) = self.transform_word(w)? {
+            object.transform = t * object.transform;
+            self.check_transform(&object.transform, tok)?;
+            return Ok(true);
+        }
+        match w {
+            Word::Texture => {
+                let new = self.texture()?;
+                add_layers(&mut object.look, &new);
+            }
+            Word::Pigment => {
+                let base = self.top_layer(&object.look).pigment.clone();
+                let pigment = self.pigment_over(base)?;
+                self.edit_layer(&mut object.look, tok, |l| l.pigment = pigment);
+            }
+            Word::Finish => {
+                let base = self.top_layer(&object.look).finish.clone();
+                let finish = self.finish_over(base)?;
+                self.edit_layer(&mut object.look, tok, |l| l.finish = finish);
+            }
+            Word::Normal => {
+                let normal = Some(self.normal()?);
+                self.edit_layer(&mut object.look, tok, |l| l.normal = normal);
+            }
+            Word::Material => {
+                let look = self.material()?;
+                apply_look(&mut object.look, look);
+            }
+            Word::Interior => {
+                let base = object.look.interior.clone().unwrap_or_default();
+                object.look.interior = Some(self.interior_over(base)?);
+            }
+            Word::NoShadow => {
+                self.bump();
+                object.visibility.shadow = false;
+            }
+            Word::NoImage => {
+                self.bump();
+                object.visibility.camera = false;
+            }
+            Word::NoReflection => {
+                self.bump();
+                object.visibility.indirect = false;
+            }
+            Word::Inverse => {
+                self.bump();
+                invert(object);
+            }
+            Word::Hollow | Word::Open | Word::Sturm | Word::Hierarchy | Word::DoubleIlluminate | Word::UvMapping => {
+                self.bump();
+                self.flag()?;
+            }
+            Word::CutawayTextures | Word::SplitUnion => {
+                self.bump();
+                self.flag()?;
+            }
+            Word::BoundedBy | Word::Photons | Word::Radiosity => {
+                self.bump();
+                self.skip_block()?;
+            }
+            Word::ClippedBy => {
+                self.warn_once("P0409", tok.span, "`clipped_by` is not supported yet and is left out");
+                self.bump();
+                self.skip_block()?;
+            }
+            Word::InteriorTexture => {
+                self.warn_once(
+                    "P0409",
+                    tok.span,
+                    "`interior_texture` is not supported yet and is left out",
+                );
+                self.bump();
+                self.skip_block()?;
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// A transform that can be undone; overflow and underflow along the way are errors.
+    pub fn check_transform(&mut self, t: &DAffine3, tok: Tok) -> Parsed<()> {
+        if crate::lang::transform::is_invertible(t) {
+            return Ok(());
+        }
+        Err(self.error(
+            "P0310",
+            tok.span,
+            "transforms leave the range of numbers: the object vanishes or is infinite",
+        ))
+    }
+
+    fn named_look(&mut self, object: &mut ObjectDesc) -> Parsed<bool> {
+        use crate::lang::desc::Desc;
+        use crate::lang::eval::Value;
+        let tok = self.peek();
+        let T::Name(name) = tok.t else { return Ok(false) };
+        let Some(Value::Desc(desc)) = self.scopes.get(name).cloned() else {
+            return Ok(false);
+        };
+        match desc {
+            Desc::Texture(layers) => add_layers(&mut object.look, &layers),
+            Desc::Material(look) => apply_look(&mut object.look, look),
+            Desc::Interior(i) => object.look.interior = Some(i),
+            Desc::Pigment(p) => self.edit_layer(&mut object.look, tok, |l| l.pigment = p),
+            Desc::Finish(f) => self.edit_layer(&mut object.look, tok, |l| l.finish = f),
+            Desc::Transform(t) => object.transform = t * object.transform,
+            _ => return Ok(false),
+        }
+        self.bump();
+        Ok(true)
+    }
+
+    fn top_layer(&mut self, look: &Look) -> Rc<Layer> {
+        let top = look.layers.as_ref().and_then(|l| l.last().cloned());
+        top.unwrap_or_else(|| self.default_layer())
+    }
+
+    /// Changes the top layer, which starts as the default texture.
+    fn edit_layer(&mut self, look: &mut Look, tok: Tok, edit: impl FnOnce(&mut Layer)) {
+        let mut layer = (*self.top_layer(look)).clone();
+        layer.span = Some(tok.span);
+        edit(&mut layer);
+        let mut layers = look.layers.as_ref().map(|l| l.to_vec()).unwrap_or_default();
+        layers.pop();
+        layers.push(Rc::new(layer));
+        look.layers = Some(layers.into());
+        look.surface = None;
+    }
+}
+
+/// A texture given to something that has one lies on top of it.
+fn add_layers(look: &mut Look, new: &[Rc<Layer>]) {
+    let mut layers = look.layers.as_ref().map(|l| l.to_vec()).unwrap_or_default();
+    layers.extend(new.iter().cloned());
+    look.layers = Some(layers.into());
+    look.surface = None;
+}
+
+/// A material replaces what it says something about.
+fn apply_look(look: &mut Look, new: Look) {
+    if !new.is_bare() {
+        look.layers = new.layers;
+        look.surface = new.surface;
+    }
+    if new.interior.is_some() {
+        look.interior = new.interior;
+    }
+}
+
+/// Only a plane looks different from its other side: glass and emission know where the inside is.
+fn invert(object: &mut ObjectDesc) {
+    use crate::scene::Shape;
+    if let ShapeDesc::Primitive(shape) = &object.shape
+        && let Shape::Plane { normal, distance } = **shape
+    {
+        object.shape = ShapeDesc::Primitive(Rc::new(Shape::Plane {
+            normal: -normal,
+            distance: -distance,
+        }));
+    }
+}
