@@ -160,3 +160,23 @@ fn estimates_survive_their_file() {
         }
     }
 }
+
+/// The mean of the classic box, 0.328, as the C++ program of `tests/bench` finds it (0.3279 ± 0.0003, Schlick),
+/// and what exact Fresnel changes about it: less than 0.5 %.
+#[test]
+fn the_classic_box_has_its_known_mean() {
+    let mut scene = cornell(4.0 / 3.0);
+    let (exact, exact_error) = render(&scene, 64, 48, 300, 6).level();
+    scene.glass = Glass::Lecture;
+    let (lecture, lecture_error) = render(&scene, 64, 48, 300, 7).level();
+    println!("exact {exact:.5} ± {exact_error:.5}, lecture {lecture:.5} ± {lecture_error:.5}");
+    assert!(
+        (lecture - 0.328).abs() < 0.001 + 4.0 * lecture_error,
+        "{lecture} ± {lecture_error}"
+    );
+    let noise = 4.0 * exact_error.hypot(lecture_error);
+    assert!(
+        (exact / lecture - 1.0).abs() < 0.005 + noise / lecture,
+        "{exact} against {lecture}"
+    );
+}
