@@ -84,9 +84,10 @@ impl LightSet {
     }
 
     /// Chooses a light for the shading point `p` and a direction towards it. `n` is the unit shading normal whose
-    /// positive side receives light, or zero; with `two_sided` both sides do. `None` if nothing contributes.
+    /// positive side receives light, or zero; with `two_sided` both sides do. `u_pick` and `u` are in [0, 1).
     ///
-    /// With probability 1 − Σ the result is `None`, so the estimate is f·cos·radiance/pdf, and 0 for `None`.
+    /// The estimate is f·cos·radiance/pdf, and 0 for `None`: where the chosen group or point turns out not to
+    /// contribute, no other is tried, since that would change the densities.
     pub fn sample(&self, p: Vec3, n: Vec3, two_sided: bool, u_pick: f32, u: Vec2) -> Option<LightSample> {
         let at = Receiver { p, n, two_sided };
         // The number that picks among many lights borrows its low bits from those that pick the point.

@@ -6,6 +6,7 @@ mod irradiance;
 mod lamps;
 mod sky;
 mod spheres;
+mod strategies;
 
 use super::*;
 use crate::math::frame::Frame;
