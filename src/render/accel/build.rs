@@ -8,6 +8,10 @@ use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
 use rayon::slice::ParallelSliceMut;
 use std::collections::HashMap;
 
+mod cuts;
+
+use cuts::Cuts;
+
 struct Item(Aabb);
 
 impl Boundable for Item {
@@ -160,14 +164,14 @@ fn build_binary(items: &[Item], leaf_size: u32) -> Bvh2 {
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut bvh, params.reinsertion_batch_ratio, None);
     if leaf_size > 1 {
-        collapse(&mut bvh, leaf_size, params.collapse_traversal_cost);
+        collapse(&mut bvh, leaf_size, 100.0);
         let ratio = params.reinsertion_batch_ratio * params.post_collapse_reinsertion_batch_ratio_multiplier;
         optimizer.run(&mut bvh, ratio, None);
     }
     bvh
 }
 
-/// Pulls grandchildren up until each node has eight children, opening the largest first.
+/// Pulls descendants up until each node has eight children, where possible, as [`Cuts`] says.
 fn widen(binary: &Bvh2, unit: f64, stacks: &Stacks, leaves: &Leaves) -> Tree {
     let mut tree = Tree::default();
     let box_of = |i: usize| {
@@ -178,6 +182,7 @@ fn widen(binary: &Bvh2, unit: f64, stacks: &Stacks, leaves: &Leaves) -> Tree {
             max: s(b.max),
         }
     };
+    let cuts = Cuts::new(binary);
     // Binary node to expand, and the slot of the wide node that waits for its number.
     let mut work: Vec<(usize, Option<(usize, usize)>)> = vec![(0, None)];
     while let Some((root, waiting)) = work.pop() {
@@ -185,21 +190,9 @@ fn widen(binary: &Bvh2, unit: f64, stacks: &Stacks, leaves: &Leaves) -> Tree {
         if let Some((parent, slot)) = waiting {
             tree.nodes[parent].child[slot] = index as u32;
         }
-        let mut children = [root; WIDTH];
-        let mut count = 1;
-        while count < WIDTH {
-            let inner = (0..count).filter(|&i| !binary.nodes[children[i]].is_leaf());
-            let area = |i: &usize| binary.nodes[children[*i]].aabb().half_area();
-            let Some(open) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else {
-                break;
-            };
-            let first = binary.nodes[children[open]].first_index as usize;
-            children[open] = first;
-            children[count] = first + 1;
-            count += 1;
-        }
+        let children = cuts.children(binary, root);
         tree.nodes.push(Node::EMPTY);
-        for (slot, &child) in children[..count].iter().enumerate() {
+        for (slot, &child) in children.iter().enumerate() {
             let from = &binary.nodes[child];
             let reference = if from.is_leaf() {
                 let first = from.first_index as usize;

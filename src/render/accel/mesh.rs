@@ -3,6 +3,7 @@
 use super::bounds::Bounds;
 use super::build::{build_tree, power_of_two_below};
 use super::node::{LEAF, Node};
+use super::simd::Isa;
 use super::traverse::{BoxRay, Leaf, traverse};
 use super::triangle::{LANES, ShearedRay, TriangleBlock};
 use crate::render::shape::candidates::Candidates;
@@ -66,15 +67,20 @@ impl MeshTree {
         self.nodes.len()
     }
 
+    /// Leaves of the tree, of up to four triangles each.
+    pub fn block_count(&self) -> usize {
+        self.blocks.len()
+    }
+
     /// Offers the triangles that a ray in the tree's unit meets; with `any` it ends at the first.
     #[inline(always)]
-    pub fn intersect(&self, origin: Vec3, dir: Vec3, any: bool, found: &mut Candidates) -> bool {
+    pub fn intersect<I: Isa>(&self, origin: Vec3, dir: Vec3, any: bool, found: &mut Candidates) -> bool {
         let mut leaf = Triangles {
             blocks: &self.blocks,
             ray: ShearedRay::new(origin, dir),
             any,
         };
-        traverse(
+        traverse::<I>(
             &self.nodes,
             self.stack_need,
             &BoxRay::new(origin, dir, 2.0),

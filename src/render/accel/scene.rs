@@ -4,12 +4,14 @@ use super::bounds::Bounds;
 use super::build::build_tree;
 use super::mesh::MeshTree;
 use super::node::{LEAF, Node};
+use super::simd::{Baseline, Isa};
 use super::spheres::{FEW, SphereList};
 use super::traverse::{BoxRay, Leaf, traverse};
 use crate::render::ray::{Hit, Ray};
 use crate::render::shape::candidates::Candidates;
 use crate::render::shape::{Placed, Shape, plane, sphere};
 use glam::{DAffine3, DVec3};
+use std::marker::PhantomData;
 
 /// What an object is, as rays meet it.
 #[derive(Clone, Debug)]
@@ -200,18 +202,18 @@ impl SceneTree {
             #[allow(unsafe_code)]
             return unsafe { self.trace_avx2::<ANY>(ray) };
         }
-        self.trace::<ANY>(ray)
+        self.trace::<ANY, Baseline>(ray)
     }
 
     /// The same code for wider vectors. FMA stays off: a fused edge function would tell neighbours apart.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1")]
     fn trace_avx2<const ANY: bool>(&self, ray: &Ray) -> Candidates {
-        self.trace::<ANY>(ray)
+        self.trace::<ANY, super::simd::Avx2>(ray)
     }
 
     #[inline(always)]
-    fn trace<const ANY: bool>(&self, ray: &Ray) -> Candidates {
+    fn trace<const ANY: bool, I: Isa>(&self, ray: &Ray) -> Candidates {
         let mut found = Candidates::new(ray);
         if !self.spheres.is_empty() {
             self.spheres.intersect(ray, &mut found);
@@ -221,17 +223,21 @@ impl SceneTree {
         }
         for &object in &self.planes {
             if self.visibility[object as usize] & ray.mask != 0 {
-                self.meet::<ANY>(object, ray, &mut found);
+                self.meet::<ANY, I>(object, ray, &mut found);
                 if ANY && found.found() {
                     return found;
                 }
             }
         }
         if !self.nodes.is_empty() {
-            let mut leaf = Objects::<ANY> { scene: self, ray };
+            let mut leaf = Objects::<ANY, I> {
+                scene: self,
+                ray,
+                isa: PhantomData,
+            };
             // The boxes hold their own rounding already.
             let boxes = BoxRay::new(ray.origin, ray.dir, 0.0);
-            traverse(&self.nodes, self.stack_need, &boxes, &mut found, &mut leaf);
+            traverse::<I>(&self.nodes, self.stack_need, &boxes, &mut found, &mut leaf);
         }
         found
     }
@@ -250,14 +256,14 @@ impl SceneTree {
                 let dir = tree_from_world.transform_vector3(ray.dir.as_dvec3()).as_vec3();
                 self.meshes[*mesh as usize].intersect_by_force(origin, dir, &mut found);
             } else {
-                self.meet::<false>(object, ray, &mut found);
+                self.meet::<false, Baseline>(object, ray, &mut found);
             }
         }
         found.hit()
     }
 
     #[inline(always)]
-    fn meet<const ANY: bool>(&self, object: u32, ray: &Ray, found: &mut Candidates) {
+    fn meet<const ANY: bool, I: Isa>(&self, object: u32, ray: &Ray, found: &mut Candidates) {
         found.enter(object, ray);
         let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
         match &self.targets[object as usize] {
@@ -272,24 +278,25 @@ impl SceneTree {
             Target::Mesh { mesh, tree_from_world } => {
                 let origin = tree_from_world.transform_point3(o).as_vec3();
                 let dir = tree_from_world.transform_vector3(d).as_vec3();
-                self.meshes[*mesh as usize].intersect(origin, dir, ANY, found);
+                self.meshes[*mesh as usize].intersect::<I>(origin, dir, ANY, found);
             }
         }
     }
 }
 
-struct Objects<'a, const ANY: bool> {
+struct Objects<'a, const ANY: bool, I> {
     scene: &'a SceneTree,
     ray: &'a Ray,
+    isa: PhantomData<I>,
 }
 
-impl<const ANY: bool> Leaf for Objects<'_, ANY> {
+impl<const ANY: bool, I: Isa> Leaf for Objects<'_, ANY, I> {
     #[inline(always)]
     fn visit(&mut self, leaf: u32, found: &mut Candidates) -> bool {
         if self.scene.visibility[leaf as usize] & self.ray.mask == 0 {
             return false;
         }
-        self.scene.meet::<ANY>(leaf, self.ray, found);
+        self.scene.meet::<ANY, I>(leaf, self.ray, found);
         ANY && found.found()
     }
 }

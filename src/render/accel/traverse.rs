@@ -1,6 +1,7 @@
 //! Walking an 8-wide tree, nearest child first.
 
 use super::node::{LEAF, Node, WIDTH};
+use super::simd::{Baseline, BoxTest, Isa};
 use crate::math::robust::{UNIT_ROUNDOFF, gamma};
 use crate::render::shape::candidates::Candidates;
 use glam::Vec3;
@@ -20,6 +21,8 @@ pub struct BoxRay {
     far_origin: [f32; 3],
     /// 1/direction; infinite where the direction is 0, with the sign of that zero.
     inverse: [f32; 3],
+    /// The same, a little larger: covers the rounding of the quotients.
+    far_inverse: [f32; 3],
     /// Which plane of each axis is entered.
     near_plane: [usize; 3],
 }
@@ -38,10 +41,12 @@ impl BoxRay {
             near_origin: o,
             far_origin: o,
             inverse: [0.0; 3],
+            far_inverse: [0.0; 3],
             near_plane: [0; 3],
         };
         for axis in 0..3 {
             ray.inverse[axis] = 1.0 / d[axis];
+            ray.far_inverse[axis] = ray.inverse[axis] * (1.0 + 2.0 * gamma(4));
             let backwards = d[axis].is_sign_negative();
             let toward = if backwards { -pad } else { pad };
             ray.near_origin[axis] = o[axis] + toward;
@@ -51,33 +56,23 @@ impl BoxRay {
         ray
     }
 
-    /// Entry distances into the children of a node, and the set of children that are hit not beyond `t_max`.
+    /// The set of children of a node that are hit not beyond `t_max`, and where each is entered.
     ///
-    /// 0·∞ gives NaN where an axis-parallel ray runs in a plane; the comparisons below then keep what the other axes say,
-    /// which errs on the safe side. The factor on the exit covers the rounding of the quotients.
-    /// Source: Ize, Robust BVH Ray Traversal, JCGT 2013.
+    /// 0·∞ gives NaN where an axis-parallel ray runs in a plane; what the other axes say then stands, which errs on the
+    /// safe side. Source: Ize, Robust BVH Ray Traversal, JCGT 2013.
     #[inline(always)]
-    fn meet(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
-        let mut near = [0.0f32; WIDTH];
-        let mut far = [t_max; WIDTH];
-        for axis in 0..3 {
-            let entered = &node.planes[self.near_plane[axis]];
-            let left = &node.planes[self.near_plane[axis] ^ 1];
-            let (o_near, o_far, inverse) = (self.near_origin[axis], self.far_origin[axis], self.inverse[axis]);
-            for i in 0..WIDTH {
-                let t = (entered[i] - o_near) * inverse;
-                near[i] = if t > near[i] { t } else { near[i] };
-            }
-            for i in 0..WIDTH {
-                let t = (left[i] - o_far) * inverse * (1.0 + 2.0 * gamma(3));
-                far[i] = if t < far[i] { t } else { far[i] };
-            }
-        }
-        let mut hits = 0;
-        for i in 0..WIDTH {
-            hits |= u32::from(near[i] <= far[i]) << i;
-        }
-        (hits, near)
+    fn meet<I: Isa>(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
+        let [x, y, z] = self.near_plane;
+        let planes = &node.planes;
+        I::meet(&BoxTest {
+            entered: [&planes[x], &planes[y], &planes[z]],
+            left: [&planes[x ^ 1], &planes[y ^ 1], &planes[z ^ 1]],
+            near_origin: &self.near_origin,
+            far_origin: &self.far_origin,
+            inverse: &self.inverse,
+            far_inverse: &self.far_inverse,
+            t_max,
+        })
     }
 }
 
@@ -87,25 +82,32 @@ const STACK: usize = 96;
 /// Visits every leaf whose box the ray meets not beyond the best hit, roughly from near to far. `need` is the tree's
 /// `stack_need`. Returns whether a visit ended the walk.
 #[inline(always)]
-pub fn traverse(nodes: &[Node], need: usize, ray: &BoxRay, found: &mut Candidates, leaf: &mut impl Leaf) -> bool {
+pub fn traverse<I: Isa>(
+    nodes: &[Node],
+    need: usize,
+    ray: &BoxRay,
+    found: &mut Candidates,
+    leaf: &mut impl Leaf,
+) -> bool {
     if nodes.is_empty() {
         return false;
     }
     if need <= STACK {
-        walk(nodes, ray, found, leaf, &mut [0; STACK])
+        walk::<I>(nodes, ray, found, leaf, &mut [0; STACK])
     } else {
         walk_on_heap(nodes, need, ray, found, leaf)
     }
 }
 
+/// For trees so deep that speed is lost anyway.
 #[cold]
 fn walk_on_heap(nodes: &[Node], need: usize, ray: &BoxRay, found: &mut Candidates, leaf: &mut impl Leaf) -> bool {
-    walk(nodes, ray, found, leaf, &mut vec![0; need])
+    walk::<Baseline>(nodes, ray, found, leaf, &mut vec![0; need])
 }
 
 /// Entries are the entry distance's bits above the child reference: non-negative floats order like their bits.
 #[inline(always)]
-fn walk(nodes: &[Node], ray: &BoxRay, found: &mut Candidates, leaf: &mut impl Leaf, stack: &mut [u64]) -> bool {
+fn walk<I: Isa>(nodes: &[Node], ray: &BoxRay, found: &mut Candidates, leaf: &mut impl Leaf, stack: &mut [u64]) -> bool {
     let mut waiting = 0;
     let mut current = 0u32;
     loop {
@@ -115,22 +117,34 @@ fn walk(nodes: &[Node], ray: &BoxRay, found: &mut Candidates, leaf: &mut impl Le
             }
         } else {
             let node = &nodes[current as usize];
-            let (mut hits, near) = ray.meet(node, found.t);
+            let (hits, near) = ray.meet::<I>(node, found.t);
+            let mut hits_left = hits;
+            let mut next = || {
+                let i = hits_left.trailing_zeros() as usize & (WIDTH - 1);
+                hits_left &= hits_left.wrapping_sub(1);
+                let entry = u64::from(near[i].to_bits()) << 32 | u64::from(node.child[i]);
+                (entry, hits_left == 0)
+            };
             if hits != 0 {
+                // Mostly one or two children are met; the nearest is walked without waiting.
+                let (mut nearest, mut last) = next();
                 let base = waiting;
-                while hits != 0 {
-                    let i = hits.trailing_zeros() as usize & (WIDTH - 1);
-                    hits &= hits - 1;
-                    let entry = u64::from(near[i].to_bits()) << 32 | u64::from(node.child[i]);
-                    // Insertion keeps the nearest on top; there are at most eight.
+                while !last {
+                    let entry;
+                    (entry, last) = next();
+                    let far = nearest.max(entry);
+                    nearest = nearest.min(entry);
+                    // Insertion keeps the nearer on top; there are at most seven.
                     let mut at = waiting;
-                    while at > base && stack[at - 1] < entry {
+                    while at > base && stack[at - 1] < far {
                         stack[at] = stack[at - 1];
                         at -= 1;
                     }
-                    stack[at] = entry;
+                    stack[at] = far;
                     waiting += 1;
                 }
+                current = nearest as u32;
+                continue;
             }
         }
         loop {

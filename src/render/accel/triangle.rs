@@ -1,17 +1,19 @@
 //! Four triangles at a time, watertight.
 
 use crate::render::shape::candidates::Candidates;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Triangles of a leaf.
 pub const LANES: usize = 4;
+
+const ALL_LANES: u32 = (1 << LANES) - 1;
 
 /// Up to four triangles by coordinate.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub struct TriangleBlock {
-    /// Coordinates by corner and axis.
-    pub corners: [[[f32; LANES]; 3]; 3],
+    /// Coordinates by corner and axis, one lane a triangle.
+    pub corners: [[Vec4; 3]; 3],
     /// Triangle numbers; unused lanes repeat a used one.
     pub ids: [u32; LANES],
 }
@@ -20,7 +22,7 @@ impl TriangleBlock {
     /// Packs one to four triangles. Free lanes repeat the last one, which changes no answer.
     pub fn new(triangles: &[(u32, [Vec3; 3])]) -> TriangleBlock {
         let mut block = TriangleBlock {
-            corners: [[[0.0; LANES]; 3]; 3],
+            corners: [[Vec4::ZERO; 3]; 3],
             ids: [u32::MAX; LANES],
         };
         for lane in 0..LANES {
@@ -78,49 +80,43 @@ impl ShearedRay {
     #[inline(always)]
     pub fn intersect(&self, block: &TriangleBlock, found: &mut Candidates) {
         let [kx, ky, kz] = self.axes;
-        let mut xs = [[0.0f32; LANES]; 3];
-        let mut ys = [[0.0f32; LANES]; 3];
-        let mut zs = [[0.0f32; LANES]; 3];
+        let o = self.origin;
+        let mut xs = [Vec4::ZERO; 3];
+        let mut ys = [Vec4::ZERO; 3];
+        let mut zs = [Vec4::ZERO; 3];
         for k in 0..3 {
             let c = &block.corners[k];
-            for i in 0..LANES {
-                let z = c[kz][i] - self.origin[kz];
-                xs[k][i] = (c[kx][i] - self.origin[kx]) - self.shear[0] * z;
-                ys[k][i] = (c[ky][i] - self.origin[ky]) - self.shear[1] * z;
-                zs[k][i] = self.shear[2] * z;
-            }
+            let z = c[kz] - o[kz];
+            xs[k] = (c[kx] - o[kx]) - z * self.shear[0];
+            ys[k] = (c[ky] - o[ky]) - z * self.shear[1];
+            zs[k] = z * self.shear[2];
         }
-        let mut edges = [[0.0f32; LANES]; 3];
-        for k in 0..3 {
-            // The edge opposite corner k runs from the next corner to the one after.
-            let (a, b) = ((k + 1) % 3, (k + 2) % 3);
-            for i in 0..LANES {
-                edges[k][i] = xs[b][i] * ys[a][i] - ys[b][i] * xs[a][i];
-            }
+        // The edge opposite a corner runs from the next corner to the one after.
+        let edge = |a: usize, b: usize| xs[b] * ys[a] - ys[b] * xs[a];
+        let (u, v, w) = (edge(1, 2), edge(2, 0), edge(0, 1));
+        let zero = Vec4::ZERO;
+        let below = u.cmplt(zero) | v.cmplt(zero) | w.cmplt(zero);
+        let above = u.cmpgt(zero) | v.cmpgt(zero) | w.cmpgt(zero);
+        let beside = (below & above).bitmask();
+        if beside == ALL_LANES {
+            return;
         }
-        let [u, v, w] = edges;
-        let mut hits = 0u32;
-        for i in 0..LANES {
-            let below = (u[i] < 0.0) | (v[i] < 0.0) | (w[i] < 0.0);
-            let above = (u[i] > 0.0) | (v[i] > 0.0) | (w[i] > 0.0);
-            hits |= u32::from(!(below & above)) << i;
-        }
+        let doubtful = (u.cmpeq(zero) | v.cmpeq(zero) | w.cmpeq(zero)).bitmask();
+        let inv = Vec4::ONE / (u + v + w);
+        let (b1, b2) = (v * inv, w * inv);
+        let t = u * inv * zs[0] + b1 * zs[1] + b2 * zs[2];
+        let wanted = (t.cmpgt(zero) & t.cmple(Vec4::splat(found.t))).bitmask();
+        let mut hits = !beside & (wanted | doubtful) & ALL_LANES;
         while hits != 0 {
             let i = hits.trailing_zeros() as usize & (LANES - 1);
             hits &= hits - 1;
             let id = block.ids[i];
-            let (u, v, w) = (u[i], v[i], w[i]);
-            let z = [zs[0][i], zs[1][i], zs[2][i]];
-            let met = if u == 0.0 || v == 0.0 || w == 0.0 {
-                on_an_edge([xs[0][i], xs[1][i], xs[2][i]], [ys[0][i], ys[1][i], ys[2][i]], z)
-            } else {
-                let inv = 1.0 / (u + v + w);
-                let (b0, b1, b2) = (u * inv, v * inv, w * inv);
-                Some((b0 * z[0] + b1 * z[1] + b2 * z[2], Vec2::new(b1, b2)))
-            };
-            if let Some((t, b)) = met
-                && id != found.from
-            {
+            if id == found.from {
+                continue; // flat: a ray cannot come back to it
+            }
+            if doubtful >> i & 1 == 0 {
+                found.offer_rounded(t[i], id, Vec2::new(b1[i], b2[i]));
+            } else if let Some((t, b)) = on_an_edge(xs.map(|x| x[i]), ys.map(|y| y[i]), zs.map(|z| z[i])) {
                 found.offer_rounded(t, id, b);
             }
         }
