@@ -149,7 +149,7 @@ mod tests {
             .push(sphere().transformed(DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))));
         scene
             .objects
-            .push(sphere().transformed(DAffine3::from_scale(DVec3::splat(1e-130))));
+            .push(sphere().transformed(DAffine3::from_scale(DVec3::splat(1e-90))));
         let mut diags = Diagnostics::default();
         assert_eq!(leaves(&scene, &mut diags).len(), 1);
         assert_eq!(diags.count(crate::diag::Severity::Warning), 1);

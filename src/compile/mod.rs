@@ -4,6 +4,7 @@
 //! used are turned into the engine's tables. What nothing uses is not decoded and not built.
 
 mod camera;
+mod caps;
 mod flatten;
 mod images;
 mod lights;
@@ -68,11 +69,12 @@ pub fn compile(
         objects.add(leaf, diags);
     }
     objects.finish(diags);
-    let (objects, meshes, lights) = (objects.objects, objects.meshes, objects.lights);
+    let (objects, meshes, mut lights) = (objects.objects, objects.meshes, objects.lights);
     let (materials, nodes) = (materials.materials, materials.nodes);
     if errors(diags) > before {
         return None;
     }
+    caps::cut_by_walls(&mut lights, objects.iter().map(|o| &o.shape), glam::DVec3::ZERO);
     let lights = LightSet::new(lights);
     let traits = SceneTraits {
         see_through: materials.iter().any(is_see_through),
