@@ -44,11 +44,9 @@ fn agrees_with_brute_force(geometry: &mut Geometry, seed: u64, rays: usize, reac
                 object: rng.next_u32() % 16,
                 prim: rng.next_u32() % 4,
             };
-            assert_eq!(
-                geometry.closest(&next),
-                geometry.tree.closest_by_force(&next),
-                "{next:?}"
-            );
+            let want = geometry.tree.closest_by_force(&next);
+            assert_eq!(geometry.closest(&next), want, "{next:?}");
+            assert_eq!(geometry.occluded(&next), want.is_some(), "{next:?}");
         }
     }
     assert!(hits > rays / 20, "only {hits} of {rays} rays hit anything");
@@ -74,6 +72,44 @@ fn trees_agree_with_brute_force_on_mixed_scenes() {
     for (seed, objects) in [(3, 12), (4, 60), (5, 300)] {
         agrees_with_brute_force(&mut mixed(seed, objects), seed + 100, 4000, 4.0);
     }
+}
+
+/// Small things beside large ones: areas of boxes under- and overflow f32, and the tree must not care.
+#[test]
+fn trees_agree_with_brute_force_over_forty_orders_of_magnitude() {
+    let mut rng = Pcg::new(6);
+    let mut objects = Vec::new();
+    for i in 0..80 {
+        let size = 10f64.powi(i % 40 - 20);
+        let map = random_map(&mut rng, size, 0.0);
+        let shape = match i % 3 {
+            0 => Shape::Sphere {
+                center: in_cube(&mut rng) * size * 2.0,
+                radius: size * 0.3,
+            },
+            1 => Shape::placed(solid(i as usize), map),
+            _ => Shape::mesh(0, map),
+        };
+        objects.push(GeomObject::new(shape, 0));
+    }
+    let geometry = Geometry::build(objects, vec![soup(&mut rng, 50, 0.3)]);
+    let mut hits = 0;
+    for i in 0..8000 {
+        let size = 10f64.powi(i % 40 - 20);
+        let mut ray = random_ray(&mut rng, size);
+        ray.mask = 7;
+        let want = geometry.tree.closest_by_force(&ray);
+        assert_eq!(geometry.closest(&ray), want, "{ray:?}");
+        hits += usize::from(want.is_some());
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+#[test]
+fn trees_too_deep_for_the_stack_answer_from_the_heap() {
+    let mut geometry = mixed(7, 100);
+    geometry.tree.pretend_deep();
+    agrees_with_brute_force(&mut geometry, 8, 1000, 4.0);
 }
 
 #[test]
