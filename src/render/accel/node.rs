@@ -16,6 +16,9 @@ pub struct Node {
     pub planes: [[f32; WIDTH]; 6],
     /// Node index, or leaf with [`LEAF`] set.
     pub child: [u32; WIDTH],
+    /// The slots in use, as bits. Their boxes keep sensible rays off the others; rays that overflow or are not numbers
+    /// meet every box.
+    pub used: u32,
 }
 
 impl Node {
@@ -30,6 +33,7 @@ impl Node {
             [f32::NEG_INFINITY; WIDTH],
         ],
         child: [u32::MAX; WIDTH],
+        used: 0,
     };
 
     /// Fills one slot.
@@ -39,6 +43,7 @@ impl Node {
             self.planes[2 * axis + 1][slot] = bounds.max[axis];
         }
         self.child[slot] = child;
+        self.used |= 1 << slot;
     }
 
     /// The box of a slot.

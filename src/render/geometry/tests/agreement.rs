@@ -124,6 +124,27 @@ fn an_empty_geometry_is_never_hit() {
     }
 }
 
+#[test]
+fn triangles_with_missing_or_infinite_corners_are_never_hit() {
+    let mesh = MeshData {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(f32::INFINITY), Vec3::NAN],
+        triangles: vec![[0, 1, 9], [0, 1, 3], [4, 1, 2], [0, 1, 2], [0, 0, 0], [1, 2, 2]],
+        ..MeshData::default()
+    };
+    let geometry = single(mesh, DAffine3::IDENTITY);
+    let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
+    assert_eq!(geometry.closest(&ray).map(|h| h.prim.prim), Some(3));
+    // Rays that make no sense hit nothing and end.
+    for (o, d) in [
+        (Vec3::NAN, Vec3::X),
+        (Vec3::ZERO, Vec3::NAN),
+        (Vec3::ZERO, Vec3::ZERO),
+        (Vec3::INFINITY, Vec3::X),
+    ] {
+        assert_eq!(geometry.closest(&Ray::new(o, d)), None);
+    }
+}
+
 /// Coincident primitives: the lower one answers, whatever the tree looks like.
 #[test]
 fn of_two_hits_at_equal_t_the_lower_primitive_wins() {
