@@ -72,8 +72,8 @@ impl Bounds {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
-    /// Whether nothing is inside.
+    /// Whether nothing is inside; so too if a coordinate is not a number.
     pub fn is_empty(self) -> bool {
-        self.min.cmpgt(self.max).any()
+        !self.min.cmple(self.max).all()
     }
 }

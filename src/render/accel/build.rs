@@ -108,9 +108,9 @@ impl Stacks {
         }
     }
 
-    /// The primitives behind the builder's items.
-    fn primitives(&self, items: &[u32]) -> Vec<u32> {
-        let mut all = Vec::with_capacity(items.len());
+    /// Lists the primitives behind some of the builder's items.
+    fn primitives(&self, items: &[u32], all: &mut Vec<u32>) {
+        all.clear();
         for &item in items {
             let lowest = self.lowest[item as usize];
             match self.members.get(&lowest) {
@@ -118,7 +118,6 @@ impl Stacks {
                 None => all.push(lowest),
             }
         }
-        all
     }
 }
 
@@ -183,6 +182,7 @@ fn widen(binary: &Bvh2, unit: f64, stacks: &Stacks, leaves: &Leaves) -> Tree {
         }
     };
     let cuts = Cuts::new(binary);
+    let mut primitives = Vec::new();
     // Binary node to expand, and the slot of the wide node that waits for its number.
     let mut work: Vec<(usize, Option<(usize, usize)>)> = vec![(0, None)];
     while let Some((root, waiting)) = work.pop() {
@@ -197,7 +197,8 @@ fn widen(binary: &Bvh2, unit: f64, stacks: &Stacks, leaves: &Leaves) -> Tree {
             let reference = if from.is_leaf() {
                 let first = from.first_index as usize;
                 let items = &binary.primitive_indices[first..first + from.prim_count as usize];
-                leaves.add(&mut tree, &stacks.primitives(items))
+                stacks.primitives(items, &mut primitives);
+                leaves.add(&mut tree, &primitives)
             } else {
                 work.push((child, Some((index, slot))));
                 u32::MAX
@@ -220,8 +221,7 @@ impl Leaves<'_> {
     fn add(&self, tree: &mut Tree, primitives: &[u32]) -> u32 {
         let size = self.size.max(1);
         if primitives.len() <= size {
-            tree.leaves.push(primitives.to_vec());
-            return LEAF | (tree.leaves.len() - 1) as u32;
+            return tree.push_leaf(primitives);
         }
         let index = tree.nodes.len();
         tree.nodes.push(Node::EMPTY);

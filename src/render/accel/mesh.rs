@@ -42,12 +42,12 @@ impl MeshTree {
         }
         let bounds: Vec<Bounds> = items.iter().map(|(_, corners)| Bounds::around(corners)).collect();
         let tree = build_tree(&bounds, LANES as u32);
-        let pack = |leaf: &Vec<u32>| {
+        let pack = |leaf: &[u32]| {
             let few: Vec<_> = leaf.iter().map(|&i| items[i as usize]).collect();
             TriangleBlock::new(&few)
         };
         MeshTree {
-            blocks: tree.leaves.iter().map(pack).collect(),
+            blocks: tree.leaves().map(pack).collect(),
             nodes: tree.nodes,
             stack_need: tree.stack_need,
             unit,
@@ -87,6 +87,12 @@ impl MeshTree {
             found,
             &mut leaf,
         )
+    }
+
+    /// Takes the path for trees deeper than the stack.
+    #[cfg(test)]
+    pub fn pretend_deep(&mut self) {
+        self.stack_need = 1000;
     }
 
     /// Tests every triangle.

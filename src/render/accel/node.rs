@@ -16,6 +16,9 @@ pub struct Node {
     pub planes: [[f32; WIDTH]; 6],
     /// Node index, or leaf with [`LEAF`] set.
     pub child: [u32; WIDTH],
+    /// The slots in use, as bits. Their boxes keep sensible rays off the others; rays that overflow or are not numbers
+    /// meet every box.
+    pub used: u32,
 }
 
 impl Node {
@@ -30,6 +33,7 @@ impl Node {
             [f32::NEG_INFINITY; WIDTH],
         ],
         child: [u32::MAX; WIDTH],
+        used: 0,
     };
 
     /// Fills one slot.
@@ -39,6 +43,7 @@ impl Node {
             self.planes[2 * axis + 1][slot] = bounds.max[axis];
         }
         self.child[slot] = child;
+        self.used |= 1 << slot;
     }
 
     /// The box of a slot.
@@ -56,8 +61,27 @@ impl Node {
 pub struct Tree {
     /// Nodes, the root first, parents before children; none without primitives.
     pub nodes: Vec<Node>,
-    /// For each leaf its primitives; leaves are numbered in the order of traversal.
-    pub leaves: Vec<Vec<u32>>,
+    /// Primitives, leaf after leaf.
+    pub primitives: Vec<u32>,
+    /// Where each leaf's primitives end.
+    pub leaf_ends: Vec<u32>,
     /// Entries a traversal may have waiting at most.
     pub stack_need: usize,
+}
+
+impl Tree {
+    /// The primitives of each leaf in turn.
+    pub fn leaves(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(0).chain(self.leaf_ends.iter().copied());
+        starts
+            .zip(&self.leaf_ends)
+            .map(|(start, &end)| &self.primitives[start as usize..end as usize])
+    }
+
+    /// Adds a leaf and returns the reference to it.
+    pub fn push_leaf(&mut self, primitives: &[u32]) -> u32 {
+        self.primitives.extend_from_slice(primitives);
+        self.leaf_ends.push(self.primitives.len() as u32);
+        LEAF | (self.leaf_ends.len() as u32 - 1)
+    }
 }

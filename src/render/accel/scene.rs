@@ -112,7 +112,7 @@ impl SceneTree {
         // One object a leaf: name it in the node itself.
         for child in tree.nodes.iter_mut().flat_map(|n| n.child.iter_mut()) {
             if *child != u32::MAX && *child & LEAF != 0 {
-                let item = built.leaves[(*child & !LEAF) as usize][0];
+                let item = built.primitives[(*child & !LEAF) as usize];
                 *child = LEAF | bounded[item as usize];
             }
         }
@@ -240,6 +240,13 @@ impl SceneTree {
             traverse::<I>(&self.nodes, self.stack_need, &boxes, &mut found, &mut leaf);
         }
         found
+    }
+
+    /// Takes the path for trees deeper than the stack.
+    #[cfg(test)]
+    pub fn pretend_deep(&mut self) {
+        self.stack_need = 1000;
+        self.meshes.iter_mut().for_each(MeshTree::pretend_deep);
     }
 
     /// The nearest hit without any box.

@@ -139,7 +139,7 @@ mod tests {
         let mut rng = Pcg::new(1);
         let special = [0.0, -0.0, 1.0, -1.0, f32::INFINITY, f32::NEG_INFINITY, 1e-38, 3e38];
         let mut number = || {
-            if rng.next_u32() % 3 == 0 {
+            if rng.next_u32().is_multiple_of(3) {
                 special[rng.next_u32() as usize % special.len()]
             } else {
                 rng.next_f32() * 4.0 - 2.0

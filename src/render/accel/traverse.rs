@@ -118,6 +118,7 @@ fn walk<I: Isa>(nodes: &[Node], ray: &BoxRay, found: &mut Candidates, leaf: &mut
         } else {
             let node = &nodes[current as usize];
             let (hits, near) = ray.meet::<I>(node, found.t);
+            let hits = hits & node.used;
             let mut hits_left = hits;
             let mut next = || {
                 let i = hits_left.trailing_zeros() as usize & (WIDTH - 1);

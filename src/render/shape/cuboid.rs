@@ -47,7 +47,7 @@ fn starts_outside(min: DVec3, max: DVec3, from: u32, o: DVec3) -> bool {
     };
     // The faces of a flat box are one sheet: a ray from it never returns.
     min[axis] == max[axis]
-        || if from % 2 == 0 {
+        || if from.is_multiple_of(2) {
             o[axis] <= min[axis]
         } else {
             o[axis] >= max[axis]
@@ -59,7 +59,7 @@ pub fn project(min: DVec3, max: DVec3, face: u32, p: DVec3) -> (DVec3, DVec3) {
     let axis = (face / 2).min(2) as usize;
     let mut q = p.max(min).min(max);
     let mut n = DVec3::ZERO;
-    (q[axis], n[axis]) = if face % 2 == 0 {
+    (q[axis], n[axis]) = if face.is_multiple_of(2) {
         (min[axis], -1.0)
     } else {
         (max[axis], 1.0)

@@ -44,11 +44,9 @@ fn agrees_with_brute_force(geometry: &mut Geometry, seed: u64, rays: usize, reac
                 object: rng.next_u32() % 16,
                 prim: rng.next_u32() % 4,
             };
-            assert_eq!(
-                geometry.closest(&next),
-                geometry.tree.closest_by_force(&next),
-                "{next:?}"
-            );
+            let want = geometry.tree.closest_by_force(&next);
+            assert_eq!(geometry.closest(&next), want, "{next:?}");
+            assert_eq!(geometry.occluded(&next), want.is_some(), "{next:?}");
         }
     }
     assert!(hits > rays / 20, "only {hits} of {rays} rays hit anything");
@@ -76,6 +74,44 @@ fn trees_agree_with_brute_force_on_mixed_scenes() {
     }
 }
 
+/// Small things beside large ones: areas of boxes under- and overflow f32, and the tree must not care.
+#[test]
+fn trees_agree_with_brute_force_over_forty_orders_of_magnitude() {
+    let mut rng = Pcg::new(6);
+    let mut objects = Vec::new();
+    for i in 0..80 {
+        let size = 10f64.powi(i % 40 - 20);
+        let map = random_map(&mut rng, size, 0.0);
+        let shape = match i % 3 {
+            0 => Shape::Sphere {
+                center: in_cube(&mut rng) * size * 2.0,
+                radius: size * 0.3,
+            },
+            1 => Shape::placed(solid(i as usize), map),
+            _ => Shape::mesh(0, map),
+        };
+        objects.push(GeomObject::new(shape, 0));
+    }
+    let geometry = Geometry::build(objects, vec![soup(&mut rng, 50, 0.3)]);
+    let mut hits = 0;
+    for i in 0..8000 {
+        let size = 10f64.powi(i % 40 - 20);
+        let mut ray = random_ray(&mut rng, size);
+        ray.mask = 7;
+        let want = geometry.tree.closest_by_force(&ray);
+        assert_eq!(geometry.closest(&ray), want, "{ray:?}");
+        hits += usize::from(want.is_some());
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+#[test]
+fn trees_too_deep_for_the_stack_answer_from_the_heap() {
+    let mut geometry = mixed(7, 100);
+    geometry.tree.pretend_deep();
+    agrees_with_brute_force(&mut geometry, 8, 1000, 4.0);
+}
+
 #[test]
 fn an_empty_geometry_is_never_hit() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
@@ -85,6 +121,27 @@ fn an_empty_geometry_is_never_hit() {
     for geometry in [nothing, empty_mesh, no_mesh] {
         assert_eq!(geometry.closest(&ray), None);
         assert!(!geometry.occluded(&ray) && geometry.bounds().is_none());
+    }
+}
+
+#[test]
+fn triangles_with_missing_or_infinite_corners_are_never_hit() {
+    let mesh = MeshData {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::splat(f32::INFINITY), Vec3::NAN],
+        triangles: vec![[0, 1, 9], [0, 1, 3], [4, 1, 2], [0, 1, 2], [0, 0, 0], [1, 2, 2]],
+        ..MeshData::default()
+    };
+    let geometry = single(mesh, DAffine3::IDENTITY);
+    let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
+    assert_eq!(geometry.closest(&ray).map(|h| h.prim.prim), Some(3));
+    // Rays that make no sense hit nothing and end.
+    for (o, d) in [
+        (Vec3::NAN, Vec3::X),
+        (Vec3::ZERO, Vec3::NAN),
+        (Vec3::ZERO, Vec3::ZERO),
+        (Vec3::INFINITY, Vec3::X),
+    ] {
+        assert_eq!(geometry.closest(&Ray::new(o, d)), None);
     }
 }
 

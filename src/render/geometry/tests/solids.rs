@@ -154,3 +154,51 @@ fn a_flat_box_is_hit_from_both_sides_and_reports_its_lower_face() {
         );
     }
 }
+
+/// A point of each solid's inside, or of the sheet if it is one.
+fn inner_point(solid: &Solid, rng: &mut Pcg) -> DVec3 {
+    match *solid {
+        Solid::Sphere => direction(rng).as_dvec3() * 0.99,
+        Solid::Box { min, max } => (min + max) * 0.5 + in_cube(rng) * (max - min) * 0.499,
+        Solid::Cylinder { .. } => DVec3::new(signed(rng) * 0.7, 0.01 + 0.98 * rng.next_f64(), signed(rng) * 0.7),
+        Solid::Cone { r0, r1, .. } => {
+            let y = 0.01 + 0.98 * rng.next_f64();
+            let r = (r0 + (r1 - r0) * y) * 0.7;
+            DVec3::new(signed(rng) * r, y, signed(rng) * r)
+        }
+        Solid::Disc { hole } => {
+            let a = DVec3::new(signed(rng), 0.0, signed(rng)).normalize();
+            a * (hole + (1.0 - hole) * (0.01 + 0.98 * rng.next_f64()))
+        }
+        Solid::Torus { major, minor } => {
+            let c = DVec3::new(signed(rng), 0.0, signed(rng)).normalize();
+            c * major + direction(rng).as_dvec3() * (minor * 0.95)
+        }
+    }
+}
+
+/// The solid is put where an exactly representable ray passes through a point of its inside.
+#[test]
+fn far_and_thin_solids_are_not_lost() {
+    let mut rng = Pcg::new(14);
+    let mut kinds: Vec<Solid> = (0..11).filter(|k| ![4, 6].contains(k)).map(solid).collect();
+    kinds.extend([1e-2, 1e-4, 1e-6].map(|minor| Solid::Torus { major: 1.0, minor }));
+    for solid in kinds {
+        for distance in [0.0, 10.0, 1e3, 1e5, 1e7] {
+            for _ in 0..300 {
+                let d = direction(&mut rng);
+                let mut map = random_map(&mut rng, 1.0, 0.0);
+                let inner = inner_point(&solid, &mut rng);
+                let t = distance + 8.0;
+                map.translation = d.as_dvec3() * t - map.transform_vector3(inner);
+                let geometry = Geometry::build(vec![GeomObject::new(Shape::placed(solid.clone(), map), 0)], Vec::new());
+                let ray = Ray::new(glam::Vec3::ZERO, d);
+                let hit = geometry.closest(&ray);
+                assert!(
+                    hit.is_some_and(|h| (f64::from(h.t) - t).abs() < 20.0 + 1e-7 * t),
+                    "{solid:?} at {t}: {hit:?}"
+                );
+            }
+        }
+    }
+}
