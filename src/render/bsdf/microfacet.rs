@@ -39,12 +39,12 @@ impl Ggx {
         }
     }
 
-    /// The width that albedo tables are looked up with: the geometric mean.
+    /// The width that albedo tables are looked up with: the root mean square, since losses grow with the slopes' variance.
     pub fn alpha(self) -> f32 {
         if self.ax == self.ay {
             self.ax
         } else {
-            (self.ax * self.ay).sqrt()
+            (0.5 * (self.ax * self.ax + self.ay * self.ay)).sqrt()
         }
     }
 

@@ -400,7 +400,9 @@ fn no_surface_returns_more_light_than_it_gets() {
 #[test]
 fn albedo_is_what_a_furnace_returns() {
     for (name, bsdf) in coloured() {
-        let tolerance = if name.starts_with("rough") || name.starts_with("coated") {
+        let tolerance = if name.starts_with("brushed") {
+            0.07 // see `brushed_facets_keep_most_of_their_light`
+        } else if name.starts_with("rough") || name.starts_with("coated") {
             // takes the tint of what passes for all
             0.2
         } else {
@@ -410,6 +412,20 @@ fn albedo_is_what_a_furnace_returns() {
             let (want, got) = (furnace(&bsdf, incidence(cos), 20_000), bsdf.albedo(incidence(cos)));
             let off = (want - got).abs().max_element();
             assert!(off < tolerance, "{name} at cos {cos}: albedo {got}, furnace {want}");
+        }
+    }
+}
+
+/// The tables know facets of one width only; brushed ones are looked up by the mean. Worst along the grooves at grazing.
+#[test]
+fn brushed_facets_keep_most_of_their_light() {
+    for (ax, ay) in [(0.6, 0.1), (1.0, 0.25), (0.3, 0.05)] {
+        let b = Bsdf::Metal(Metal {
+            f0: Vec3::ONE,
+            ggx: Ggx { ax, ay },
+        });
+        for cos in VIEWS {
+            assert_returns(&format!("brushed {ax} {ay}"), &b, cos, 0.93, 1.07);
         }
     }
 }
