@@ -186,6 +186,34 @@ impl Material {
         }
     }
 
+    /// Whether it emits at all.
+    pub fn is_emissive(&self) -> bool {
+        !self.emission.is_black() && (self.emits_front || self.emits_back)
+    }
+
+    /// Whether [`Material::straight_transmittance`] can be anything but zero; false spares shadow rays the look-up.
+    pub fn may_pass_straight(&self, materials: &[Material]) -> bool {
+        self.may_pass_within(materials, MIX_DEPTH)
+    }
+
+    fn may_pass_within(&self, materials: &[Material], depth: u32) -> bool {
+        match &self.surface {
+            SurfaceModel::Glass { .. } => true,
+            SurfaceModel::Finish(f) => f.filter != 0.0 || f.transmit != 0.0,
+            SurfaceModel::Principled(p) => p.transmission.factor > 0.0,
+            SurfaceModel::Mix { .. } if depth == 0 => false,
+            SurfaceModel::Mix { a, b, .. } => [*a, *b].into_iter().any(|id| {
+                let part = materials.get(id as usize);
+                part.is_some_and(|m| m.may_pass_within(materials, depth - 1))
+            }),
+            SurfaceModel::Black
+            | SurfaceModel::Diffuse { .. }
+            | SurfaceModel::Specular { .. }
+            | SurfaceModel::Glossy { .. }
+            | SurfaceModel::Translucent { .. } => false,
+        }
+    }
+
     /// The index of refraction inside for one channel (0, 1, 2), or the middle one.
     /// Source: KHR_materials_dispersion: n ∓ (n−1)·0.025·dispersion for red and blue.
     pub fn ior_at(&self, channel: Option<u8>) -> f32 {

@@ -171,6 +171,8 @@ fn lamps_shine_straight_through_smooth_glass_only() {
     assert!((through(&glass(0.0)) - want).abs().max_element() < 1e-6);
     assert_eq!(through(&glass(0.5)), Vec3::ZERO);
     assert_eq!(through(&diffuse(Vec3::ONE)), Vec3::ZERO);
+    assert!(glass(0.0).may_pass_straight(&[]) && !diffuse(Vec3::ONE).may_pass_straight(&[]));
+    assert!(mix(0, 1, 0.5).may_pass_straight(&[diffuse(Vec3::ONE), glass(0.0)]));
     let filtered = FinishInputs {
         filter: 0.5,
         transmit: 0.25,
