@@ -7,6 +7,7 @@
 
 use super::fresnel::{fresnel_dielectric, schlick_weight};
 use super::microfacet::{ALPHA_DELTA, Ggx};
+use super::unit;
 use crate::math::robust::sqrt_of_nonnegative;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
@@ -21,8 +22,8 @@ const COARSE: usize = 22;
 const NORMALS: usize = 144;
 
 /// Where a value lies between the `n` nodes of an axis over [0, 1]; values outside and NaN meet the ends.
-fn locate(x: f32, n: usize) -> (usize, f32) {
-    let s = x.max(0.0).min(1.0) * (n - 1) as f32;
+pub(super) fn locate(x: f32, n: usize) -> (usize, f32) {
+    let s = unit(x) * (n - 1) as f32;
     let i = (s as usize).min(n - 2);
     (i, s - i as f32)
 }

@@ -1,5 +1,6 @@
 //! Inputs of materials: numbers and colours that may come from textures.
 
+use super::super::bsdf::unit;
 use super::super::surface::Attributes;
 use super::super::texture::Textures;
 use super::Shading;
@@ -67,6 +68,6 @@ impl ScalarInput {
 
     /// The number at a point, brought into [0, 1]; NaN is 0.
     pub(super) fn unit(&self, cx: &Shading<'_>) -> f32 {
-        self.eval(cx.textures, cx.attrs).max(0.0).min(1.0)
+        unit(self.eval(cx.textures, cx.attrs))
     }
 }

@@ -135,7 +135,7 @@ impl FinishInputs {
         let color = self.color.eval(cx.textures, cx.attrs).max(Vec3::ZERO);
         let opacity = (1.0 - self.filter - self.transmit).clamp(0.0, 1.0);
         // Phong's exponent counts the angle to the mirror direction, about twice that to the half vector.
-        let (phong_s, blinn_s) = (4.0 * self.phong_size, 1.0 / self.roughness);
+        let (phong_s, blinn_s) = ((4.0 * self.phong_size).max(0.0), (1.0 / self.roughness).max(0.0));
         let phong = Finish::highlight_weight(self.phong.max(0.0), phong_s);
         let blinn = Finish::highlight_weight(self.specular.max(0.0), blinn_s);
         let amount = phong + blinn;

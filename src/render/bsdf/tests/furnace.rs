@@ -143,6 +143,28 @@ fn brushed_facets_keep_most_of_their_light() {
     }
 }
 
+/// Fibres over white: what the sheen takes from the base by its table it must itself return.
+#[test]
+fn sheen_over_white_keeps_the_balance() {
+    for roughness in [0.0, 0.1, 0.3, 0.55, 1.0] {
+        let coat = Coat::Dielectric { eta: 1.0 };
+        let base = Base::SmoothCoat(SmoothCoat {
+            base: Vec3::ONE,
+            back: Vec3::ZERO,
+            coat,
+        });
+        let sheen = Sheen::new(Vec3::ONE, roughness);
+        let b = Bsdf::Principled(Principled {
+            base,
+            coat: Clearcoat::NONE,
+            sheen,
+        });
+        for cos in VIEWS {
+            assert_returns(&format!("sheen {roughness}"), &b, cos, 0.97, 1.03);
+        }
+    }
+}
+
 /// Oracle: Walsh's closed form of the mean reflectance in f64 (Walsh 1926; Duntley 1942).
 #[test]
 fn mean_fresnel_reflectance_matches_walsh() {
