@@ -7,22 +7,23 @@
 
 use super::fresnel::{fresnel_dielectric, schlick_weight};
 use super::microfacet::{ALPHA_DELTA, Ggx};
+use super::unit;
 use crate::math::robust::sqrt_of_nonnegative;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
 /// Nodes along the axis of indices.
 const INDICES: usize = 12;
-/// Nodes along the view axis and the roughness axis, and visible normals per entry: for mirror facets and coats …
+/// Nodes along the view axis and the roughness axis of white mirror facets …
 const FINE: usize = 32;
-const FINE_NORMALS: usize = 144;
-/// … and for solids, which cost more to compute.
-const COARSE: usize = 18;
-const COARSE_NORMALS: usize = 233;
+/// … and of coats and solids, of which only the difference to those is tabulated.
+const COARSE: usize = 22;
+/// Visible normals per entry.
+const NORMALS: usize = 144;
 
 /// Where a value lies between the `n` nodes of an axis over [0, 1]; values outside and NaN meet the ends.
-fn locate(x: f32, n: usize) -> (usize, f32) {
-    let s = x.max(0.0).min(1.0) * (n - 1) as f32;
+pub(super) fn locate(x: f32, n: usize) -> (usize, f32) {
+    let s = unit(x) * (n - 1) as f32;
     let i = (s as usize).min(n - 2);
     (i, s - i as f32)
 }
@@ -80,7 +81,8 @@ fn mean_over_views<const N: usize>(row: &[f32; N]) -> f32 {
         let (a, b) = (i as f64 / n, (i + 1) as f64 / n);
         let slope = f64::from(pair[1] - pair[0]) * n;
         let offset = f64::from(pair[0]) - slope * a;
-        sum += offset * (b.powi(4) - a.powi(4)) + slope * 0.8 * (b.powi(5) - a.powi(5));
+        let (a4, b4) = (a * a * a * a, b * b * b * b);
+        sum += offset * (b4 - a4) + slope * 0.8 * (b4 * b - a4 * a);
     }
     sum as f32
 }
@@ -100,14 +102,14 @@ fn entry<const N: usize>(view: usize, alpha: usize) -> (Vec3, Ggx) {
 /// Calls `f` with visible normals and their weights, which add up to 1. Even steps along the polar axis, but denser in
 /// the tail (v = 1 − (1 − s)³), whose few facets lose the light; golden-ratio steps in azimuth, of which half a turn
 /// suffices by symmetry.
-fn for_visible_normals(count: usize, wo: Vec3, ggx: Ggx, mut f: impl FnMut(Vec3, f32)) {
-    for i in 0..count {
+fn for_visible_normals(wo: Vec3, ggx: Ggx, mut f: impl FnMut(Vec3, f32)) {
+    for i in 0..NORMALS {
         let u = (0.5 + 0.618_033_988_749_894_9 * i as f64).fract() * 0.5;
-        let rest = 1.0 - (i as f32 + 0.5) / count as f32;
+        let rest = 1.0 - (i as f32 + 0.5) / NORMALS as f32;
         let v = 1.0 - rest * rest * rest;
         f(
             ggx.sample_visible(wo, Vec2::new(u as f32, v)),
-            3.0 * rest * rest / count as f32,
+            3.0 * rest * rest / NORMALS as f32,
         );
     }
 }
@@ -142,7 +144,7 @@ static SCHLICK: LazyLock<SchlickTables> = LazyLock::new(|| {
         for i in 0..FINE {
             let (wo, ggx) = entry::<FINE>(i, j);
             let (mut b, mut e) = (0.0, 0.0);
-            for_visible_normals(FINE_NORMALS, wo, ggx, |m, share| {
+            for_visible_normals(wo, ggx, |m, share| {
                 let w = share * weight(ggx, wo.z, mirrored_cosine(wo, m));
                 let s = schlick_weight(wo.dot(m));
                 b += w * (1.0 - s);
@@ -180,17 +182,14 @@ fn index_nodes() -> [f32; INDICES] {
 }
 
 /// Planes at the nodes of the axis of indices; `f` says what a visible normal returns at each.
-fn indexed<const N: usize>(
-    normals: usize,
-    f: impl Fn(Vec3, Ggx, Vec3, &[f32; INDICES]) -> [f32; INDICES],
-) -> Vec<Plane<N>> {
+fn indexed<const N: usize>(f: impl Fn(Vec3, Ggx, Vec3, &[f32; INDICES]) -> [f32; INDICES]) -> Vec<Plane<N>> {
     let etas = index_nodes();
     let mut values = vec![[[0.0; N]; N]; INDICES];
     for j in 0..N {
         for i in 0..N {
             let (wo, ggx) = entry::<N>(i, j);
             let mut sums = [0.0; INDICES];
-            for_visible_normals(normals, wo, ggx, |m, share| {
+            for_visible_normals(wo, ggx, |m, share| {
                 for (sum, value) in sums.iter_mut().zip(f(wo, ggx, m, &etas)) {
                     *sum += share * value;
                 }
@@ -223,9 +222,9 @@ fn at_index<T>(planes: &[T], eta: f32, f: impl Fn(&T) -> f32) -> f32 {
 
 /// What a coat reflects beyond [`typical_reflectance`] times white facets' albedo, and all it reflects.
 struct CoatTables {
-    beyond: Vec<Plane<FINE>>,
+    beyond: Vec<Plane<COARSE>>,
     /// By index and α: the mean of all it reflects beyond white facets' mean times the smooth coat's mean.
-    means_beyond: Vec<[f32; FINE]>,
+    means_beyond: Vec<[f32; COARSE]>,
 }
 
 /// Reflectance at the mean cosine between view and visible facets, (cosθ + |stretched w|)/2. Times the albedo of white
@@ -236,7 +235,7 @@ pub fn typical_reflectance(cos: f32, alpha: f32, eta: f32) -> f32 {
 }
 
 static COAT: LazyLock<CoatTables> = LazyLock::new(|| {
-    let all = indexed::<FINE>(FINE_NORMALS, |wo, ggx, m, etas| {
+    let all = indexed::<COARSE>(|wo, ggx, m, etas| {
         let w = weight(ggx, wo.z, mirrored_cosine(wo, m));
         etas.map(|eta| w * fresnel_dielectric(wo.dot(m).max(0.0), eta))
     });
@@ -247,9 +246,12 @@ static COAT: LazyLock<CoatTables> = LazyLock::new(|| {
         })
     });
     let beyond = beyond.collect();
-    let white = &*SCHLICK;
     let means_beyond = all.iter().zip(index_nodes()).map(|(plane, eta)| {
-        std::array::from_fn(|j| plane.means[j] - (white.base.means[j] + white.edge.means[j]) * fresnel_mean(eta))
+        std::array::from_fn(|j| {
+            let (_, ggx) = entry::<COARSE>(0, j);
+            let (base, edge) = schlick_mean(ggx.ax);
+            plane.means[j] - (base + edge) * fresnel_mean(eta)
+        })
     });
     CoatTables {
         beyond,
@@ -278,7 +280,7 @@ struct SolidTables {
 
 static SOLID: LazyLock<SolidTables> = LazyLock::new(|| {
     let table = |leaving: bool| {
-        let planes = indexed::<COARSE>(COARSE_NORMALS, move |wo, ggx, m, etas| {
+        let planes = indexed::<COARSE>(move |wo, ggx, m, etas| {
             let cos = wo.dot(m).max(0.0);
             let reflected = weight(ggx, wo.z, mirrored_cosine(wo, m));
             etas.map(|eta| {

@@ -114,6 +114,11 @@ impl BsdfSample {
     }
 }
 
+/// `x` brought into [0, 1]; NaN is 0.
+pub(super) fn unit(x: f32) -> f32 {
+    if x > 0.0 { x.min(1.0) } else { 0.0 }
+}
+
 /// Whether both directions are on one side of the surface, neither in it. Compares signs: a product would underflow.
 fn on_same_side(wo: Vec3, wi: Vec3) -> bool {
     (wo.z > 0.0 && wi.z > 0.0) || (wo.z < 0.0 && wi.z < 0.0)

@@ -4,7 +4,6 @@
 //! models. A layer takes from what lies below by its albedo seen along `wo` alone, as glTF writes it: any base keeps
 //! its energy exactly, at the price of symmetry in the directions.
 
-use super::diffuse::sample_cosine_beside;
 use super::energy::schlick_albedo;
 use super::fresnel::{reflect, schlick_weight};
 use super::glossy::{Glossy, SmoothCoat};
@@ -13,8 +12,7 @@ use super::microfacet::Ggx;
 use super::rough_glass::{RoughGlass, RoughThinGlass};
 use super::sheen::Sheen;
 use super::specular::{Glass, Specular, ThinGlass, mirrored};
-use super::{Bsdf, BsdfSample, facing_up, with_side_of};
-use crate::math::warp::INV_PI;
+use super::{Bsdf, BsdfSample, facing_up, unit, with_side_of};
 use glam::{Vec2, Vec3};
 
 /// What lies below the layers.
@@ -137,7 +135,7 @@ impl Principled {
         }
         let cos = wo.z.abs();
         let coat = self.coat.albedo(cos);
-        let fibres = self.sheen.color.max_element().max(0.0).min(1.0) * self.sheen.albedo(cos);
+        let fibres = unit(self.sheen.color.max_element()) * self.sheen.albedo(cos);
         let keep_sheen = 1.0 - coat;
         let keep_base = keep_sheen * (1.0 - fibres);
         let base = keep_base * self.base.bsdf().albedo(wo).max_element();
@@ -177,13 +175,13 @@ impl Principled {
             }
             if shares.sheen > 0.0 {
                 value += self.sheen.color.min(Vec3::ONE) * (shares.keep_sheen * self.sheen.eval(up, wi));
-                pdf += shares.sheen * wi.z * INV_PI;
+                pdf += shares.sheen * Sheen::pdf(wi.z);
             }
         }
         (value, pdf)
     }
 
-    /// A direction of the coat, the sheen (by the cosine) or the base.
+    /// A direction of the coat, the sheen or the base.
     pub fn sample(&self, wo: Vec3, u: Vec2, u_lobe: f32) -> Option<BsdfSample> {
         let shares = self.shares(wo);
         let (up, _) = facing_up(wo, wo);
@@ -197,7 +195,7 @@ impl Principled {
                 Some(ggx) => with_side_of(wo, Some(reflect(up, ggx.sample_visible(up, u))).filter(|w| w.z > 0.0)?),
             }
         } else if u_lobe < layers {
-            sample_cosine_beside(wo, u)
+            with_side_of(wo, Sheen::sample(u))
         } else {
             let rest = 1.0 - layers;
             let mut sample =

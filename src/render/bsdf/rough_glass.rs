@@ -124,7 +124,10 @@ impl RoughGlass {
 impl RoughGlass {
     /// Directional albedo as flux, with the reflectance of the mean visible facet.
     pub fn albedo(&self, wo: Vec3) -> Vec3 {
-        let r = typical_reflectance(wo.z.abs(), self.ggx.alpha(), self.eta_towards(wo));
+        let eta = self.eta_towards(wo);
+        let lost = self.lost(wo.z, eta);
+        let typical = typical_reflectance(wo.z.abs(), self.ggx.alpha(), eta);
+        let r = (1.0 - lost) * typical + lost * (1.0 - self.sides(eta).2);
         Vec3::splat(r) + self.color * (1.0 - r)
     }
 }
@@ -199,10 +202,12 @@ impl RoughThinGlass {
         BsdfSample::from_eval(with_side_of(wo, wi), |wi| self.eval_pdf(wo, wi))
     }
 
-    /// Directional albedo, light of several facets estimated as passing.
+    /// Directional albedo.
     pub fn albedo(&self, wo: Vec3) -> Vec3 {
         let (base, edge) = schlick_albedo(wo.z.abs(), self.ggx.alpha());
+        let lost = self.lost(wo.z.abs());
         let r = self.f0 * base + Vec3::splat(self.f90 * edge);
-        r + self.color * (Vec3::ONE - r)
+        let passes = Vec3::splat(1.0 - lost) - r;
+        r + self.color * passes + (Vec3::ONE + self.color) * (0.5 * lost)
     }
 }

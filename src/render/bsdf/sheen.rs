@@ -1,8 +1,9 @@
 //! Sheen: light scattered forwards by fibres that stand on a surface, as on cloth.
 
-use crate::math::portable::pow;
+use super::energy::locate;
+use super::unit;
+use crate::math::portable::{pow, sin_cos_turns};
 use crate::math::robust::{sqrt_of_nonnegative, try_normalize};
-use crate::math::warp::cosine_hemisphere;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
@@ -16,12 +17,14 @@ pub struct Sheen {
     pub alpha: f32,
 }
 
-const VIEWS: usize = 16;
-const ALPHAS: usize = 16;
+/// The roughness of the narrowest lobe.
+const ROUGHNESS_MIN: f32 = 0.07;
+const VIEWS: usize = 32;
+const ALPHAS: usize = 32;
 
 impl Sheen {
     /// Narrower fibres' lobes are not told apart from this one: they lie within degrees of the horizon.
-    pub const ALPHA_MIN: f32 = 0.0049;
+    pub const ALPHA_MIN: f32 = ROUGHNESS_MIN * ROUGHNESS_MIN;
 
     /// No sheen.
     pub const NONE: Sheen = Sheen {
@@ -31,7 +34,7 @@ impl Sheen {
 
     /// From glTF's colour and perceptual roughness.
     pub fn new(color: Vec3, roughness: f32) -> Sheen {
-        let alpha = (roughness * roughness).max(Sheen::ALPHA_MIN).min(1.0);
+        let alpha = unit(roughness * roughness).max(Sheen::ALPHA_MIN);
         Sheen { color, alpha }
     }
 
@@ -41,6 +44,23 @@ impl Sheen {
             return 0.0;
         }
         lobe(self.alpha, wo, wi) * self.scale(wo.z)
+    }
+
+    /// A direction above, denser towards the horizon where narrow lobes lie: cosθ = u².
+    pub fn sample(u: Vec2) -> Vec3 {
+        let cos = u.x * u.x;
+        let sin = sqrt_of_nonnegative((1.0 - cos) * (1.0 + cos));
+        let (s, c) = sin_cos_turns(u.y);
+        Vec3::new(sin * c, sin * s, cos)
+    }
+
+    /// Density of [`Sheen::sample`].
+    pub fn pdf(cos: f32) -> f32 {
+        if cos > 0.0 {
+            0.5 / (std::f32::consts::TAU * cos.sqrt())
+        } else {
+            0.0
+        }
     }
 
     /// Directional albedo over the colour, in [0, 1].
@@ -69,36 +89,25 @@ fn raw_albedo(alpha: f32, cos: f32) -> f32 {
     const POINTS: usize = 256;
     static TABLE: LazyLock<[[f32; VIEWS]; ALPHAS]> = LazyLock::new(|| {
         std::array::from_fn(|j| {
-            let r = j as f32 / (ALPHAS - 1) as f32;
-            let alpha = (r * r).max(Sheen::ALPHA_MIN);
+            let r = ROUGHNESS_MIN + (1.0 - ROUGHNESS_MIN) * j as f32 / (ALPHAS - 1) as f32;
+            let alpha = r * r;
             std::array::from_fn(|i| {
                 let t = i as f32 / (VIEWS - 1) as f32;
                 let cos = (t * t).max(1e-4);
                 let wo = Vec3::new(sqrt_of_nonnegative(1.0 - cos * cos), 0.0, cos);
                 let sum: f32 = (0..POINTS)
                     .map(|k| {
-                        let k = k as f64;
-                        let u = (0.5 + 0.754_877_666_246_692_8 * k).fract() as f32;
-                        let v = (0.5 + 0.569_840_290_998_053_2 * k).fract() as f32;
-                        let wi = cosine_hemisphere(Vec2::new(u, v));
-                        if wi.z > 0.0 {
-                            lobe(alpha, wo, wi) * std::f32::consts::PI / wi.z
-                        } else {
-                            0.0
-                        }
+                        let u = (0.5 + 0.618_033_988_749_894_9 * k as f64).fract() as f32;
+                        let wi = Sheen::sample(Vec2::new((k as f32 + 0.5) / POINTS as f32, u));
+                        lobe(alpha, wo, wi) / Sheen::pdf(wi.z)
                     })
                     .sum();
                 sum / POINTS as f32
             })
         })
     });
-    let locate = |x: f32, n: usize| {
-        let s = x.max(0.0).min(1.0) * (n - 1) as f32;
-        let i = (s as usize).min(n - 2);
-        (i, s - i as f32)
-    };
     let (i, w) = locate(cos.max(0.0).sqrt(), VIEWS);
-    let (j, v) = locate(alpha.sqrt(), ALPHAS);
+    let (j, v) = locate((alpha.sqrt() - ROUGHNESS_MIN) / (1.0 - ROUGHNESS_MIN), ALPHAS);
     let row = |j: usize| TABLE[j][i] + w * (TABLE[j][i + 1] - TABLE[j][i]);
     row(j) + v * (row(j + 1) - row(j))
 }

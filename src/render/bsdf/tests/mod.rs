@@ -1,0 +1,300 @@
+//! Tests of the contract that every model keeps: weights, symmetry and finiteness here, densities and energy beside.
+
+mod density;
+mod furnace;
+
+use super::glossy::Coat;
+use super::microfacet::Ggx;
+use super::principled::{Base, Clearcoat};
+use super::sheen::Sheen;
+use super::*;
+use crate::math::stats::Pcg;
+
+fn ggx(alpha: f32) -> Ggx {
+    Ggx::isotropic(alpha).unwrap_or(Ggx { ax: 1.0, ay: 1.0 })
+}
+
+fn finish() -> Finish {
+    Finish {
+        diffuse: Vec3::new(0.5, 0.3, 0.1),
+        diffuse_back: Vec3::splat(0.1),
+        brilliance: 1.5,
+        highlight: Vec3::new(0.1, 0.08, 0.05),
+        ggx: Some(ggx(0.2)),
+        mirror_min: Vec3::splat(0.05),
+        mirror_max: Vec3::splat(0.6),
+        falloff: 4.0,
+        passes: Vec3::new(0.1, 0.2, 0.15),
+        eta: 1.0,
+        conserve: false,
+    }
+}
+
+/// Every model, coloured, at several roughnesses.
+fn coloured() -> Vec<(String, Bsdf)> {
+    let c = Vec3::new(0.9, 0.5, 0.2);
+    let mut all = vec![
+        ("diffuse".to_string(), Bsdf::Diffuse(Diffuse { albedo: c })),
+        (
+            "specular".to_string(),
+            Bsdf::Specular(Specular { color: c, grazing: c }),
+        ),
+        ("glass".to_string(), Bsdf::Glass(Glass { color: c, eta: 1.5 })),
+        (
+            "bubble".to_string(),
+            Bsdf::Glass(Glass {
+                color: c,
+                eta: 1.0 / 1.33,
+            }),
+        ),
+        (
+            "translucent".to_string(),
+            Bsdf::Translucent(Translucent {
+                front: c * 0.3,
+                back: c * 0.6,
+            }),
+        ),
+        (
+            "thin glass".to_string(),
+            Bsdf::ThinGlass(ThinGlass {
+                color: c,
+                f0: Vec3::splat(0.04),
+                f90: 1.0,
+            }),
+        ),
+        ("finish".to_string(), Bsdf::Finish(finish())),
+        (
+            "finish glass".to_string(),
+            Bsdf::Finish(Finish {
+                eta: 1.5,
+                falloff: f32::NAN,
+                ..finish()
+            }),
+        ),
+        (
+            "smooth coat".to_string(),
+            Bsdf::SmoothCoat(SmoothCoat {
+                base: c,
+                back: c * 0.1,
+                coat: Coat::Dielectric { eta: 1.5 },
+            }),
+        ),
+    ];
+    for sigma in [0.1, 0.5, 1.5] {
+        all.push((
+            format!("oren-nayar {sigma}"),
+            Bsdf::OrenNayar(OrenNayar::from_sigma(c, sigma)),
+        ));
+    }
+    let schlick = Coat::Schlick {
+        f0: Vec3::new(0.1, 0.05, 0.02),
+        f90: 0.9,
+    };
+    for alpha in [0.03, 0.1, 0.4, 1.0] {
+        let g = ggx(alpha);
+        all.push((format!("metal {alpha}"), Bsdf::Metal(Metal { f0: c, ggx: g })));
+        let coat = Coat::Dielectric { eta: 1.5 };
+        all.push((
+            format!("glossy {alpha}"),
+            Bsdf::Glossy(Glossy {
+                base: c,
+                back: Vec3::ZERO,
+                coat,
+                ggx: g,
+            }),
+        ));
+        let thin = Glossy {
+            base: c * 0.6,
+            back: c * 0.4,
+            coat: schlick,
+            ggx: g,
+        };
+        for eta in [1.5, 1.0 / 1.33, 2.4] {
+            all.push((
+                format!("rough glass {alpha} {eta}"),
+                Bsdf::RoughGlass(RoughGlass { color: c, eta, ggx: g }),
+            ));
+        }
+        if alpha != 0.1 && alpha != 1.0 {
+            continue; // the others' parts are tested above
+        }
+        all.push((format!("glossy sheet {alpha}"), Bsdf::Glossy(thin)));
+        let sheet = RoughThinGlass {
+            color: c,
+            f0: Vec3::splat(0.04),
+            f90: 1.0,
+            ggx: g,
+        };
+        all.push((format!("rough sheet {alpha}"), Bsdf::RoughThinGlass(sheet)));
+        let sheen = Sheen::new(Vec3::new(0.3, 0.2, 0.8), 0.5);
+        for base in [
+            Base::Glossy(thin),
+            Base::RoughGlass(RoughGlass {
+                color: c,
+                eta: 1.5,
+                ggx: ggx(0.2),
+            }),
+        ] {
+            let coat = Clearcoat {
+                strength: 0.7,
+                ggx: Some(g),
+            };
+            all.push((
+                format!("coated {alpha}"),
+                Bsdf::Principled(Principled { base, coat, sheen }),
+            ));
+        }
+    }
+    let brushed = Metal {
+        f0: c,
+        ggx: Ggx { ax: 0.6, ay: 0.1 },
+    };
+    all.push(("brushed metal".to_string(), Bsdf::Metal(brushed)));
+    let coat = Clearcoat {
+        strength: 1.0,
+        ggx: None,
+    };
+    let base = Base::Glass(Glass { color: c, eta: 1.5 });
+    all.push((
+        "coated glass".to_string(),
+        Bsdf::Principled(Principled {
+            base,
+            coat,
+            sheen: Sheen::NONE,
+        }),
+    ));
+    all
+}
+
+fn incidence(cos: f32) -> Vec3 {
+    let sin = (1.0 - cos * cos).sqrt();
+    Vec3::new(sin * 0.8, sin * 0.6, cos)
+}
+
+const COSINES: [f32; 7] = [1.0, 0.7, 0.2, 0.02, -0.02, -0.5, -0.95];
+
+#[test]
+fn samples_agree_with_eval_and_pdf() {
+    let mut rng = Pcg::new(5);
+    for (name, bsdf) in coloured() {
+        for cos in COSINES {
+            let wo = incidence(cos);
+            for _ in 0..300 {
+                let Some(s) = bsdf.sample(wo, rng.next_vec2(), rng.next_f32()) else {
+                    continue;
+                };
+                assert!((s.wi.length() - 1.0).abs() < 1e-5, "{name} {cos}: {}", s.wi);
+                assert!(
+                    s.pdf > 0.0 && s.weight.is_finite() && s.weight.min_element() >= 0.0,
+                    "{name} {cos}: {s:?}"
+                );
+                if s.delta {
+                    assert!(
+                        s.pdf <= 1.0 && bsdf.is_delta_only() || bsdf.pdf(wo, s.wi) < 1e3,
+                        "{name}"
+                    );
+                    continue;
+                }
+                let (f, pdf) = bsdf.eval_pdf(wo, s.wi);
+                assert!(
+                    (pdf / s.pdf - 1.0).abs() < 1e-4,
+                    "{name} {cos}: pdf {pdf}, sampled {}",
+                    s.pdf
+                );
+                let off = (f - s.weight * s.pdf).abs().max_element();
+                assert!(
+                    off <= 1e-4 * f.max_element(),
+                    "{name} {cos}: f {f}, weight·pdf {}",
+                    s.weight * s.pdf
+                );
+            }
+        }
+    }
+}
+
+/// Helmholtz: f(wo, wi) = f(wi, wo); through an interface f(wo, wi)·η² with η = n_wi/n_wo takes its place.
+#[test]
+fn scattering_is_symmetric() {
+    let mut rng = Pcg::new(9);
+    for (name, bsdf) in coloured() {
+        if matches!(bsdf, Bsdf::Principled(_) | Bsdf::Finish(_)) {
+            continue; // layered by the view direction, see there
+        }
+        for _ in 0..2000 {
+            let wo = crate::math::warp::uniform_sphere(rng.next_vec2());
+            let wi = crate::math::warp::uniform_sphere(rng.next_vec2());
+            let (ab, ba) = (bsdf.eval(wo, wi) / wi.z.abs(), bsdf.eval(wi, wo) / wo.z.abs());
+            let eta2 = match &bsdf {
+                Bsdf::RoughGlass(g) if wo.z * wi.z < 0.0 => {
+                    if wo.z > 0.0 {
+                        g.eta * g.eta
+                    } else {
+                        1.0 / (g.eta * g.eta)
+                    }
+                }
+                _ => 1.0,
+            };
+            let off = (ab * eta2 - ba).abs().max_element();
+            assert!(
+                off <= 2e-3 * ba.max_element() + 1e-6,
+                "{name} {wo} {wi}: {} and {ba}",
+                ab * eta2
+            );
+        }
+    }
+}
+
+#[test]
+fn everything_stays_finite_at_the_limits() {
+    let mut rng = Pcg::new(13);
+    for (name, bsdf) in coloured() {
+        for z in [1.0f32, 1e-3, 1e-10, 1e-20, 1e-38, 0.0, -1e-38, -1e-20, -1e-3, -1.0] {
+            let wo = Vec3::new((1.0 - z * z).sqrt(), 0.0, z);
+            for wi in [
+                wo,
+                -wo,
+                Vec3::Z,
+                -Vec3::Z,
+                Vec3::X,
+                -Vec3::X,
+                Vec3::Y,
+                specular::mirrored(wo),
+            ] {
+                let (f, pdf) = bsdf.eval_pdf(wo, wi);
+                assert!(
+                    f.is_finite() && pdf.is_finite() && pdf >= 0.0,
+                    "{name} {wo} {wi}: {f} {pdf}"
+                );
+            }
+            for _ in 0..100 {
+                if let Some(s) = bsdf.sample(wo, rng.next_vec2(), rng.next_f32()) {
+                    assert!(
+                        s.weight.is_finite() && s.pdf.is_finite() && s.wi.is_finite(),
+                        "{name} {z}: {s:?}"
+                    );
+                    assert!(s.weight.max_element() < 100.0, "{name} {z}: weight {}", s.weight);
+                }
+            }
+        }
+    }
+}
+
+/// The highlight's peak under a lamp is POV-Ray's: amount · lamp colour (the lamp's irradiance is π·colour·cosθ).
+#[test]
+fn highlights_are_as_bright_as_in_pov_ray() {
+    for (amount, s) in [(0.5, 160.0), (0.3, 20.0), (1.0, 1000.0)] {
+        let weight = Finish::highlight_weight(amount, s);
+        let b = Bsdf::Finish(Finish {
+            highlight: Vec3::splat(weight),
+            ggx: Ggx::isotropic(Finish::highlight_alpha(s)),
+            ..Finish::BLACK
+        });
+        let peak = b.eval(Vec3::Z, Vec3::Z).x * std::f32::consts::PI;
+        assert!((peak / amount - 1.0).abs() < 1e-3, "{amount} {s}: {peak}");
+    }
+}
+
+#[test]
+fn a_bsdf_is_small() {
+    assert!(size_of::<Bsdf>() <= 128, "{} bytes", size_of::<Bsdf>());
+}
