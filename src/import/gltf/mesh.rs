@@ -124,6 +124,7 @@ impl Loader<'_> {
                 .for_each(|c| *c = Vec4::ONE);
         }
         part.material = self.material_of(raw, !part.colors.is_empty(), at)?;
+        self.check_uv_sets(&part, at);
         let needed = self.needed_tangents(part.material);
         // Tangents without normals must be ignored, and without a normal map nobody looks at them.
         if let (Some(accessor), Some(_), false) = (attribute(Semantic::Tangents), needed, part.normals.is_empty()) {
@@ -252,6 +253,36 @@ impl Loader<'_> {
         let coat = p.clearcoat_normal.and_then(|n| image(n.texture));
         let turned = (p.anisotropy.factor != 0.0).then_some((0, DAffine2::IDENTITY));
         own.or(coat).or(turned)
+    }
+
+    /// Warns of images that the primitive has no coordinates for.
+    fn check_uv_sets(&mut self, part: &Part, at: &str) {
+        let Some(material) = part.material.and_then(|m| self.scene.materials.get(m.index())) else {
+            return;
+        };
+        let mut textures = vec![material.emission.texture, material.normal_map.map(|n| n.texture)];
+        if let SurfaceModel::Principled(p) = &material.surface {
+            textures.extend([p.base_color.texture, p.metallic.texture.map(|t| t.0)]);
+        }
+        let mut set_of = |id: TextureId| match self.scene.textures.get(id.index())? {
+            Texture::Image(t) => Some(t.uv_set),
+            Texture::Product(a, _) => match self.scene.textures.get(a.index())? {
+                Texture::Image(t) => Some(t.uv_set),
+                _ => None,
+            },
+            _ => None,
+        };
+        let sets = textures.into_iter().flatten().filter_map(&mut set_of);
+        let missing = sets
+            .filter(|set| part.uvs.get(*set as usize).is_none_or(Vec::is_empty))
+            .min();
+        if let Some(set) = missing {
+            let message = format!(
+                "has no TEXCOORD_{set}, which an image of material \"{}\" needs",
+                material.name
+            );
+            self.report.warning("G0615", &format!("{at}.attributes"), message);
+        }
     }
 
     /// Texture coordinates that are not finite become (0, 0).

@@ -16,9 +16,11 @@ mod container;
 mod deform;
 mod document;
 mod extension;
+mod filter;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod node;
 mod part;
 mod required;
@@ -74,6 +76,7 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
             ..Scene::default()
         },
         buffers: HashMap::new(),
+        unpacked: HashMap::new(),
         accessors: accessor::Cache::default(),
         textures: HashMap::new(),
         images: HashMap::new(),
@@ -100,6 +103,7 @@ struct Loader<'a> {
     binary_chunk: Option<buffer::Blob>,
     scene: Scene,
     buffers: HashMap<usize, Option<buffer::Blob>>,
+    unpacked: HashMap<usize, Option<buffer::Blob>>,
     accessors: accessor::Cache,
     textures: HashMap<texture::Key, Option<TextureId>>,
     images: HashMap<usize, Option<crate::scene::ImageId>>,
