@@ -167,6 +167,20 @@ fn fault(folder: &Path, (name, code, place): (&str, &str, &str)) -> Result<(), S
     Ok(())
 }
 
+#[test]
+fn primitives_that_share_an_accessor_too_often_are_refused_before_memory_ends() {
+    let mut m = Model::new();
+    let p = m.bytes(
+        "VEC3",
+        U8,
+        30_000,
+        &(0..90_000u64).map(|i| (i * i % 251) as u8).collect::<Vec<_>>(),
+    );
+    let primitive = json!({"attributes": {"POSITION": p}});
+    m.push("meshes", json!({"primitives": vec![primitive; 20_000]}));
+    assert!(m.codes().contains(&"G0610"));
+}
+
 /// A model that uses as much of the reader as fits into a small file.
 fn rich_model() -> Model {
     let info = json!({"index": 0, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0], "scale": [2, 2]}}});

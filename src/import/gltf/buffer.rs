@@ -63,6 +63,7 @@ impl Loader<'_> {
                 Some(known) => known.clone(),
                 None => {
                     let unpacked = self.unpack(&packed, &at);
+                    self.bytes += unpacked.as_ref().map_or(0, |b| b.len() as u64);
                     self.unpacked.insert(index, unpacked.clone());
                     unpacked
                 }
@@ -125,6 +126,7 @@ impl Loader<'_> {
             return known.clone();
         }
         let blob = self.read_buffer(index, at);
+        self.bytes += blob.as_ref().map_or(0, |b| b.len() as u64);
         self.buffers.insert(index, blob.clone());
         blob
     }

@@ -32,8 +32,9 @@ const COLOR: Wanted = Wanted {
     components: &[3, 4],
     normalize: true,
 };
-/// Most triangles of a file: primitives that share one accessor could ask for any number.
-const MAX_TRIANGLES: u64 = 300_000_000;
+/// Triangles that any file may have, and how many more for each byte of its buffers: primitives that share one accessor
+/// could ask for any number. Even a model whose every vertex serves ten materials stays below.
+const TRIANGLES: (u64, u64) = (2_000_000, 4);
 
 impl Loader<'_> {
     /// The meshes of the scene for mesh `index`, referred to at `at`, bent by `pose`. Unbent meshes are shared by all
@@ -79,6 +80,9 @@ impl Loader<'_> {
         at: &str,
     ) -> Option<Part> {
         let mode = self.triangle_mode(primitive, at)?;
+        if self.triangles > self.most_triangles() {
+            return None; // reported by the primitive that went too far
+        }
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|a| a.value());
         let place = |name: &str| format!("{at}.attributes.{name}");
         let Some(accessor) = attribute(Semantic::Positions) else {
@@ -186,15 +190,17 @@ impl Loader<'_> {
             self.report.warning("G0606", at, message);
         }
         self.triangles += faces.len() as u64;
-        if self.triangles > MAX_TRIANGLES {
-            self.report.error(
-                "G0610",
-                at,
-                format!("the model has more than {MAX_TRIANGLES} triangles"),
-            );
+        let most = self.most_triangles();
+        if self.triangles > most {
+            let message = format!("the model has more than {most} triangles, far more than its buffers hold");
+            self.report.error("G0610", at, message);
             return None;
         }
         (!faces.is_empty()).then_some(faces)
+    }
+
+    fn most_triangles(&self) -> u64 {
+        TRIANGLES.0.saturating_add(TRIANGLES.1.saturating_mul(self.bytes))
     }
 
     /// An attribute of the used vertices, missing components being 1.

@@ -83,6 +83,7 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         materials: HashMap::new(),
         meshes: HashMap::new(),
         variant: None,
+        bytes: 0,
         triangles: 0,
     };
     loader.variant = loader.choose_variant();
@@ -110,6 +111,8 @@ struct Loader<'a> {
     materials: HashMap<(usize, bool), Option<MaterialId>>,
     meshes: HashMap<usize, Rc<[MeshId]>>,
     variant: Option<usize>,
+    /// Bytes of all buffers read and views unpacked so far, and triangles made of them.
+    bytes: u64,
     triangles: u64,
 }
 
