@@ -132,6 +132,33 @@ fn an_accessor_without_view_is_zeros_with_its_sparse_values() {
 }
 
 #[test]
+fn packed_views_are_unpacked_whatever_buffer_they_claim_to_be_in() {
+    // Three vertices at (0, 0, 0), (1, 0, 0), (0, 1, 0) as bytes: all differences in sixteen plain bytes.
+    let mut stream = vec![0xA0];
+    for deltas in [[0u8, 2, 1], [0, 0, 2], [0, 0, 0], [0, 0, 0]] {
+        stream.push(3);
+        stream.extend(deltas);
+        stream.extend([0; 13]);
+    }
+    stream.extend([0; 32]);
+    let mut m = Model::new();
+    let packed = m.view(&stream);
+    m.json["bufferViews"][packed] = json!({"buffer": 1, "byteLength": 12, "byteStride": 4, "extensions":
+        {"EXT_meshopt_compression": {"buffer": 0, "byteLength": stream.len(), "byteStride": 4, "count": 3,
+            "mode": "ATTRIBUTES"}}});
+    let p = m.push(
+        "accessors",
+        json!({"bufferView": packed, "componentType": U8, "count": 3, "type": "VEC3"}),
+    );
+    m.push("meshes", json!({"primitives": [{"attributes": {"POSITION": p}}]}));
+    m.json["extensionsRequired"] = json!(["EXT_meshopt_compression", "KHR_mesh_quantization"]);
+    assert_eq!(
+        positions(&m.load().meshes[0]),
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+    );
+}
+
+#[test]
 fn primitives_of_a_mesh_share_one_mesh_with_a_slot_per_material() {
     let mut m = Model::triangle();
     let (first, second) = (m.indices(&[0, 1, 2]), m.indices(&[2, 1, 0]));

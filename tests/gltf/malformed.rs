@@ -74,6 +74,36 @@ const CASES: &[(&str, &str, &str)] = &[
     ("not-json.gltf", "G0104", "line 1, column 1"),
     ("not-utf8.gltf", "G0104", "not-utf8.gltf"),
     (
+        "packed-triangles-cut.gltf",
+        "G0314",
+        "bufferViews[0].extensions.EXT_meshopt_compression",
+    ),
+    (
+        "packed-view-of-huge-count.gltf",
+        "G0314",
+        "bufferViews[0].extensions.EXT_meshopt_compression",
+    ),
+    (
+        "packed-view-outside-buffer.gltf",
+        "G0311",
+        "bufferViews[0].extensions.EXT_meshopt_compression",
+    ),
+    (
+        "packed-view-with-stride-zero.gltf",
+        "G0314",
+        "bufferViews[0].extensions.EXT_meshopt_compression",
+    ),
+    (
+        "packed-view-with-unknown-mode.gltf",
+        "G0314",
+        "bufferViews[0].extensions.EXT_meshopt_compression",
+    ),
+    (
+        "packed-view-with-wrong-header.gltf",
+        "G0314",
+        "bufferViews[0].extensions.EXT_meshopt_compression",
+    ),
+    (
         "position-of-no-accessor.gltf",
         "G0202",
         "meshes[0].primitives[0].attributes.POSITION",
@@ -85,7 +115,7 @@ const CASES: &[(&str, &str, &str)] = &[
         "meshes[0].primitives[0].attributes.POSITION",
     ),
     ("required-draco.gltf", "G0204", "extensionsRequired[0]"),
-    ("required-meshopt.gltf", "G0204", "extensionsRequired[0]"),
+    ("required-meshopt-of-khronos.gltf", "G0204", "extensionsRequired[0]"),
     ("required-unknown.gltf", "G0204", "extensionsRequired[1]"),
     ("rotation-of-length-zero.gltf", "G0505", "nodes[0].rotation"),
     ("scene-missing.gltf", "G0202", "scene"),
@@ -135,6 +165,20 @@ fn fault(folder: &Path, (name, code, place): (&str, &str, &str)) -> Result<(), S
         return Err(format!("{name}: expected {place}, found {at}"));
     }
     Ok(())
+}
+
+#[test]
+fn primitives_that_share_an_accessor_too_often_are_refused_before_memory_ends() {
+    let mut m = Model::new();
+    let p = m.bytes(
+        "VEC3",
+        U8,
+        30_000,
+        &(0..90_000u64).map(|i| (i * i % 251) as u8).collect::<Vec<_>>(),
+    );
+    let primitive = json!({"attributes": {"POSITION": p}});
+    m.push("meshes", json!({"primitives": vec![primitive; 20_000]}));
+    assert!(m.codes().contains(&"G0610"));
 }
 
 /// A model that uses as much of the reader as fits into a small file.

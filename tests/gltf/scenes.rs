@@ -41,6 +41,18 @@ fn transforms_multiply_down_the_tree_and_meshes_are_shared() {
 }
 
 #[test]
+fn what_stands_far_away_keeps_its_place_to_the_last_bit() {
+    let mut m = Model::triangle();
+    let place = [6378137.123456789, -0.1, 1e-9];
+    m.json["nodes"] = json!([{"mesh": 0, "translation": place},
+        {"mesh": 0, "matrix": [0.1, 0, 0, 0,  0, 0.1, 0, 0,  0, 0, 0.1, 0,  place[0], place[1], place[2], 1]}]);
+    m.json["scenes"][0]["nodes"] = json!([0, 1]);
+    for object in &m.load().objects {
+        assert_eq!(object.transform.translation.to_array(), place);
+    }
+}
+
+#[test]
 fn flattened_nodes_are_not_drawn_and_hidden_ones_hide_their_children() {
     let mut m = Model::triangle();
     m.json["nodes"] = json!([

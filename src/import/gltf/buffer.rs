@@ -1,5 +1,7 @@
 //! Buffers and the views into them.
 
+use super::extension::Fields;
+use super::meshopt::{self, Packing};
 use super::uri::Resolved;
 use super::{Loader, Report};
 use crate::diag::Diagnostic;
@@ -52,24 +54,70 @@ pub(super) struct View {
 impl Loader<'_> {
     /// The view `index`, referred to at `at`.
     pub(super) fn view(&mut self, index: usize, at: &str) -> Option<View> {
+        let raw = self.doc.raw("bufferViews", index, at, &mut self.report)?;
         let view: json::buffer::View = self.doc.get(index, at, &mut self.report)?;
         let at = format!("bufferViews[{index}]");
-        let buffer = view.buffer.value();
-        let bytes = self.buffer(buffer, &format!("{at}.buffer"))?;
-        let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-        let Some(part) = bytes.part(offset, length) else {
-            let d = Diagnostic::error(
-                "G0311",
-                format!(
-                    "{length} bytes from {offset} on are asked for, but buffer {buffer} has {}",
-                    bytes.len()
-                ),
-            );
-            self.report.push(&at, d.hint(CUT));
-            return None;
-        };
         let stride = view.byte_stride.map(|s| s.0 as u64).filter(|s| *s > 0);
-        Some(View { bytes: part, stride })
+        if let Some(packed) = Fields::of(raw, "EXT_meshopt_compression", &at) {
+            let bytes = match self.unpacked.get(&index) {
+                Some(known) => known.clone(),
+                None => {
+                    let unpacked = self.unpack(&packed, &at);
+                    self.bytes += unpacked.as_ref().map_or(0, |b| b.len() as u64);
+                    self.unpacked.insert(index, unpacked.clone());
+                    unpacked
+                }
+            }?;
+            return Some(View { bytes, stride });
+        }
+        let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        let bytes = self.part(view.buffer.value(), offset, length, &at)?;
+        Some(View { bytes, stride })
+    }
+
+    /// Part of a buffer, for what stands at `at`.
+    fn part(&mut self, buffer: usize, offset: u64, length: u64, at: &str) -> Option<Blob> {
+        let bytes = self.buffer(buffer, &format!("{at}.buffer"))?;
+        let part = bytes.part(offset, length);
+        if part.is_none() {
+            let found = bytes.len();
+            let message = format!("{length} bytes from {offset} on are asked for, but buffer {buffer} has {found}");
+            self.report.push(at, Diagnostic::error("G0311", message).hint(CUT));
+        }
+        part
+    }
+
+    /// The bytes of a view packed by `EXT_meshopt_compression`.
+    fn unpack(&mut self, packed: &Fields, at: &str) -> Option<Blob> {
+        let mut whole = |key: &str, default: u64| {
+            let value = packed.member(key).map_or(Some(default), |v| v.as_u64());
+            if value.is_none() {
+                self.report.error("G0203", &packed.place(key), "is not a whole number");
+            }
+            value
+        };
+        let (offset, length) = (whole("byteOffset", 0)?, whole("byteLength", 0)?);
+        let (count, stride, buffer) = (whole("count", 0)?, whole("byteStride", 0)?, whole("buffer", 0)?);
+        let text = |key: &str| packed.member(key).and_then(|v| v.as_str());
+        let packing = Packing {
+            mode: text("mode").unwrap_or(""),
+            filter: text("filter").unwrap_or("NONE"),
+            count: usize::try_from(count).ok()?,
+            stride: usize::try_from(stride).ok()?,
+        };
+        let at = format!("{at}.extensions.EXT_meshopt_compression");
+        let data = self.part(usize::try_from(buffer).ok()?, offset, length, &at)?;
+        match meshopt::unpack(&packing, &data) {
+            Ok(bytes) => {
+                let all = 0..bytes.len();
+                Some(Blob::new(bytes.into(), all))
+            }
+            Err(why) => {
+                let d = Diagnostic::error("G0314", format!("the packed view cannot be read: {why}"));
+                self.report.push(&at, d.hint(CUT));
+                None
+            }
+        }
     }
 
     /// The bytes of buffer `index`, read once.
@@ -78,6 +126,7 @@ impl Loader<'_> {
             return known.clone();
         }
         let blob = self.read_buffer(index, at);
+        self.bytes += blob.as_ref().map_or(0, |b| b.len() as u64);
         self.buffers.insert(index, blob.clone());
         blob
     }

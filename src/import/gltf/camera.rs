@@ -22,13 +22,14 @@ impl Loader<'_> {
         let at = format!("cameras[{index}]");
         let (height, aspect, projection) = match (camera.type_, camera.perspective, camera.orthographic) {
             (Checked::Valid(Type::Perspective), Some(p), _) => {
-                let yfov = f64::from(p.yfov);
+                let written = |key: &str| raw.get("perspective").and_then(|p| p.get(key)?.as_f64());
+                let yfov = written("yfov").unwrap_or(f64::from(p.yfov));
                 if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
                     let message = format!("is {yfov} rad, expected more than 0 and less than π");
                     self.report.error("G0811", &format!("{at}.perspective.yfov"), message);
                     return;
                 }
-                let aspect = p.aspect_ratio.map_or(DEFAULT_ASPECT, f64::from);
+                let aspect = written("aspectRatio").unwrap_or(DEFAULT_ASPECT);
                 (2.0 * (yfov / 2.0).tan(), aspect, Projection::Perspective)
             }
             (Checked::Valid(Type::Orthographic), _, Some(o)) => {

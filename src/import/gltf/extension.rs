@@ -98,6 +98,13 @@ impl<'v> Fields<'v> {
     }
 }
 
+/// N numbers of an element as they are written; the schema's types would round them to f32.
+pub(super) fn exact<const N: usize>(element: &Value, key: &str) -> Option<[f64; N]> {
+    let items = element.get(key)?.as_array()?;
+    let items: Option<Vec<f64>> = items.iter().map(Value::as_f64).collect();
+    items?.try_into().ok()
+}
+
 /// The number, moved into the range with a warning if it lies outside (NaN becomes the lower end).
 pub(super) fn limit(number: f64, range: RangeInclusive<f64>, at: &str, report: &mut Report) -> f64 {
     if range.contains(&number) {

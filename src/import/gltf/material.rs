@@ -1,7 +1,7 @@
 //! Materials: the core's metallic-roughness model and the extensions that refine it.
 
 use super::Loader;
-use super::extension::{FINITE, Fields, NOT_NEGATIVE, UNIT, limit};
+use super::extension::{FINITE, Fields, NOT_NEGATIVE, UNIT, exact, limit};
 use crate::diag::Diagnostic;
 use crate::scene::{
     Channel, ColorInput, EmissionSides, Encoding, Material, MaterialId, NormalMap, Opacity, OpacityMode, Principled,
@@ -59,7 +59,7 @@ impl Loader<'_> {
         let raw = self.doc.raw(TABLE, index, at, &mut self.report)?;
         let core: json::Material = self.doc.get(index, at, &mut self.report)?;
         let at = format!("{TABLE}[{index}]");
-        let base = self.base_of(raw, &core, colors, &at);
+        let base = self.base_of(raw, colors, &at);
         let sides = if core.double_sided {
             EmissionSides::Both
         } else {
@@ -68,7 +68,7 @@ impl Loader<'_> {
         let mut material = Material {
             name: self.doc.name(TABLE, index),
             emission_sides: sides,
-            opacity: self.opacity_of(&core, &base, &at),
+            opacity: self.opacity_of(raw, &core, &base, &at),
             place: self.report.origin(&at),
             ..Material::new(SurfaceModel::Black)
         };
@@ -81,9 +81,9 @@ impl Loader<'_> {
             material.emission_sides = EmissionSides::Both;
             return Some(self.scene.add_material(material));
         }
-        material.emission = self.emission_of(raw, &core, &at);
+        material.emission = self.emission_of(raw, &at);
         material.normal_map = self.normal_map(raw.get("normalTexture"), &format!("{at}.normalTexture"));
-        let mut surface = self.core_surface(raw, &core, &base, &at);
+        let mut surface = self.core_surface(raw, &base, &at);
         material.interior.absorption = self.refine(raw, &mut surface, &at);
         let gloss = self.apply_specular_glossiness(raw, &mut surface, &at);
         material.surface = match gloss {
@@ -94,22 +94,20 @@ impl Loader<'_> {
     }
 
     /// Base colour factor and texture, of the metallic-roughness model or of the older specular-glossiness one.
-    fn base_of(&mut self, raw: &Value, core: &json::Material, colors: bool, at: &str) -> Base {
-        let (mut factor, info, place) = match Fields::of(raw, SPECULAR_GLOSSINESS, at) {
-            Some(old) => (
-                old.numbers("diffuseFactor", [1.0; 4], FINITE, &mut self.report),
-                old.member("diffuseTexture"),
-                old.place("diffuseTexture"),
-            ),
-            None => (
-                core.pbr_metallic_roughness.base_color_factor.0.map(f64::from),
-                raw.get(PBR).and_then(|p| p.get("baseColorTexture")),
-                format!("{at}.{PBR}.baseColorTexture"),
-            ),
+    fn base_of(&mut self, raw: &Value, colors: bool, at: &str) -> Base {
+        let (fields, factor, texture) = match Fields::of(raw, SPECULAR_GLOSSINESS, at) {
+            Some(old) => (old, "diffuseFactor", "diffuseTexture"),
+            None => {
+                let pbr = raw.get(PBR).unwrap_or(&Value::Null);
+                (
+                    Fields::new(pbr, format!("{at}.{PBR}")),
+                    "baseColorFactor",
+                    "baseColorTexture",
+                )
+            }
         };
-        for (i, f) in factor.iter_mut().enumerate() {
-            *f = limit(*f, UNIT, &format!("{at}: base colour factor [{i}]"), &mut self.report);
-        }
+        let factor = fields.numbers(factor, [1.0; 4], UNIT, &mut self.report);
+        let (info, place) = (fields.member(texture), fields.place(texture));
         let mut texture = self.texture(info, Encoding::Srgb, &place);
         if colors {
             let vertex = self.vertex_color();
@@ -124,17 +122,12 @@ impl Loader<'_> {
         }
     }
 
-    fn opacity_of(&mut self, core: &json::Material, base: &Base, at: &str) -> Opacity {
+    fn opacity_of(&mut self, raw: &Value, core: &json::Material, base: &Base, at: &str) -> Opacity {
         let mode = match core.alpha_mode {
             Checked::Valid(AlphaMode::Opaque) => return Opacity::default(),
             Checked::Valid(AlphaMode::Mask) => {
-                let cutoff = core.alpha_cutoff.unwrap_or_default().0;
-                OpacityMode::Mask(limit(
-                    cutoff.into(),
-                    NOT_NEGATIVE,
-                    &format!("{at}.alphaCutoff"),
-                    &mut self.report,
-                ))
+                let cutoff = Fields::new(raw, at).number("alphaCutoff", 0.5, NOT_NEGATIVE, &mut self.report);
+                OpacityMode::Mask(cutoff)
             }
             Checked::Valid(AlphaMode::Blend) => OpacityMode::Blend,
             Checked::Invalid => {
@@ -148,12 +141,12 @@ impl Loader<'_> {
     }
 
     /// Emitted radiance: `emissiveFactor · emissiveStrength · texture`, in W·sr⁻¹·m⁻².
-    fn emission_of(&mut self, raw: &Value, core: &json::Material, at: &str) -> ColorInput {
+    fn emission_of(&mut self, raw: &Value, at: &str) -> ColorInput {
         let strength = Fields::of_or_empty(raw, "KHR_materials_emissive_strength", at);
         let strength = strength.number("emissiveStrength", 1.0, NOT_NEGATIVE, &mut self.report);
         let place = format!("{at}.emissiveFactor");
-        let factor = core.emissive_factor.0;
-        let factor = factor.map(|f| limit(f.into(), NOT_NEGATIVE, &place, &mut self.report));
+        let factor: [f64; 3] = exact(raw, "emissiveFactor").unwrap_or_default();
+        let factor = factor.map(|f| limit(f, NOT_NEGATIVE, &place, &mut self.report));
         let factor = DVec3::from_array(factor) * strength;
         if factor == DVec3::ZERO {
             return factor.into();
@@ -164,12 +157,11 @@ impl Loader<'_> {
     }
 
     /// The surface by the core specification alone.
-    fn core_surface(&mut self, raw: &Value, core: &json::Material, base: &Base, at: &str) -> Principled {
-        let pbr = &core.pbr_metallic_roughness;
+    fn core_surface(&mut self, raw: &Value, base: &Base, at: &str) -> Principled {
         let at = format!("{at}.{PBR}");
-        let mut share = |value: f32, name: &str| limit(value.into(), UNIT, &format!("{at}.{name}"), &mut self.report);
-        let metallic = share(pbr.metallic_factor.0, "metallicFactor");
-        let roughness = share(pbr.roughness_factor.0, "roughnessFactor");
+        let pbr = Fields::new(raw.get(PBR).unwrap_or(&Value::Null), at.clone());
+        let metallic = pbr.number("metallicFactor", 1.0, UNIT, &mut self.report);
+        let roughness = pbr.number("roughnessFactor", 1.0, UNIT, &mut self.report);
         let info = raw.get(PBR).and_then(|p| p.get("metallicRoughnessTexture"));
         let info = info.filter(|_| metallic != 0.0 || roughness != 0.0);
         let texture = self.texture(info, Encoding::Linear, &format!("{at}.metallicRoughnessTexture"));

@@ -32,8 +32,9 @@ const COLOR: Wanted = Wanted {
     components: &[3, 4],
     normalize: true,
 };
-/// Most triangles of a file: primitives that share one accessor could ask for any number.
-const MAX_TRIANGLES: u64 = 300_000_000;
+/// Triangles that any file may have, and how many more for each byte of its buffers: primitives that share one accessor
+/// could ask for any number. Even a model whose every vertex serves ten materials stays below.
+const TRIANGLES: (u64, u64) = (2_000_000, 4);
 
 impl Loader<'_> {
     /// The meshes of the scene for mesh `index`, referred to at `at`, bent by `pose`. Unbent meshes are shared by all
@@ -79,6 +80,9 @@ impl Loader<'_> {
         at: &str,
     ) -> Option<Part> {
         let mode = self.triangle_mode(primitive, at)?;
+        if self.triangles > self.most_triangles() {
+            return None; // reported by the primitive that went too far
+        }
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|a| a.value());
         let place = |name: &str| format!("{at}.attributes.{name}");
         let Some(accessor) = attribute(Semantic::Positions) else {
@@ -124,6 +128,7 @@ impl Loader<'_> {
                 .for_each(|c| *c = Vec4::ONE);
         }
         part.material = self.material_of(raw, !part.colors.is_empty(), at)?;
+        self.check_uv_sets(&part, at);
         let needed = self.needed_tangents(part.material);
         // Tangents without normals must be ignored, and without a normal map nobody looks at them.
         if let (Some(accessor), Some(_), false) = (attribute(Semantic::Tangents), needed, part.normals.is_empty()) {
@@ -185,15 +190,17 @@ impl Loader<'_> {
             self.report.warning("G0606", at, message);
         }
         self.triangles += faces.len() as u64;
-        if self.triangles > MAX_TRIANGLES {
-            self.report.error(
-                "G0610",
-                at,
-                format!("the model has more than {MAX_TRIANGLES} triangles"),
-            );
+        let most = self.most_triangles();
+        if self.triangles > most {
+            let message = format!("the model has more than {most} triangles, far more than its buffers hold");
+            self.report.error("G0610", at, message);
             return None;
         }
         (!faces.is_empty()).then_some(faces)
+    }
+
+    fn most_triangles(&self) -> u64 {
+        TRIANGLES.0.saturating_add(TRIANGLES.1.saturating_mul(self.bytes))
     }
 
     /// An attribute of the used vertices, missing components being 1.
@@ -252,6 +259,36 @@ impl Loader<'_> {
         let coat = p.clearcoat_normal.and_then(|n| image(n.texture));
         let turned = (p.anisotropy.factor != 0.0).then_some((0, DAffine2::IDENTITY));
         own.or(coat).or(turned)
+    }
+
+    /// Warns of images that the primitive has no coordinates for.
+    fn check_uv_sets(&mut self, part: &Part, at: &str) {
+        let Some(material) = part.material.and_then(|m| self.scene.materials.get(m.index())) else {
+            return;
+        };
+        let mut textures = vec![material.emission.texture, material.normal_map.map(|n| n.texture)];
+        if let SurfaceModel::Principled(p) = &material.surface {
+            textures.extend([p.base_color.texture, p.metallic.texture.map(|t| t.0)]);
+        }
+        let mut set_of = |id: TextureId| match self.scene.textures.get(id.index())? {
+            Texture::Image(t) => Some(t.uv_set),
+            Texture::Product(a, _) => match self.scene.textures.get(a.index())? {
+                Texture::Image(t) => Some(t.uv_set),
+                _ => None,
+            },
+            _ => None,
+        };
+        let sets = textures.into_iter().flatten().filter_map(&mut set_of);
+        let missing = sets
+            .filter(|set| part.uvs.get(*set as usize).is_none_or(Vec::is_empty))
+            .min();
+        if let Some(set) = missing {
+            let message = format!(
+                "has no TEXCOORD_{set}, which an image of material \"{}\" needs",
+                material.name
+            );
+            self.report.warning("G0615", &format!("{at}.attributes"), message);
+        }
     }
 
     /// Texture coordinates that are not finite become (0, 0).

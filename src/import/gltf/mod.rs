@@ -16,9 +16,11 @@ mod container;
 mod deform;
 mod document;
 mod extension;
+mod filter;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod node;
 mod part;
 mod required;
@@ -74,12 +76,14 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
             ..Scene::default()
         },
         buffers: HashMap::new(),
+        unpacked: HashMap::new(),
         accessors: accessor::Cache::default(),
         textures: HashMap::new(),
         images: HashMap::new(),
         materials: HashMap::new(),
         meshes: HashMap::new(),
         variant: None,
+        bytes: 0,
         triangles: 0,
     };
     loader.variant = loader.choose_variant();
@@ -100,12 +104,15 @@ struct Loader<'a> {
     binary_chunk: Option<buffer::Blob>,
     scene: Scene,
     buffers: HashMap<usize, Option<buffer::Blob>>,
+    unpacked: HashMap<usize, Option<buffer::Blob>>,
     accessors: accessor::Cache,
     textures: HashMap<texture::Key, Option<TextureId>>,
     images: HashMap<usize, Option<crate::scene::ImageId>>,
     materials: HashMap<(usize, bool), Option<MaterialId>>,
     meshes: HashMap<usize, Rc<[MeshId]>>,
     variant: Option<usize>,
+    /// Bytes of all buffers read and views unpacked so far, and triangles made of them.
+    bytes: u64,
     triangles: u64,
 }
 

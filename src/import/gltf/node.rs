@@ -4,6 +4,7 @@ use super::Loader;
 use super::accessor::Wanted;
 use super::deform::{Pose, affine_from_columns};
 use super::document::{extension, index_of};
+use super::extension::exact;
 use super::mesh::VEC3;
 use super::variant::known;
 use crate::diag::Diagnostic;
@@ -140,7 +141,7 @@ impl Loader<'_> {
             let Some(node) = self.doc.get::<json::Node>(index, &visit.at, &mut self.report) else {
                 continue;
             };
-            let Some(local) = self.local_transform(&node, &here) else {
+            let Some(local) = self.local_transform(raw, &node, &here) else {
                 continue;
             };
             let hidden =
@@ -180,31 +181,42 @@ impl Loader<'_> {
             .push(at, d.hint("nodes must form trees: export the model again"));
     }
 
-    /// A node's own transform: its matrix, or translation · rotation · scale.
-    fn local_transform(&mut self, node: &json::Node, at: &str) -> Option<DAffine3> {
+    /// A node's own transform: its matrix, or translation · rotation · scale. The numbers are taken as written, since
+    /// f32 would move what stands far away.
+    fn local_transform(&mut self, raw: &Value, node: &json::Node, at: &str) -> Option<DAffine3> {
         let local = match node.matrix {
-            Some(m) => {
+            Some(rounded) => {
+                let m = exact(raw, "matrix").unwrap_or(rounded.map(f64::from));
                 if m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0 {
                     let message = "the last row is not 0 0 0 1; it is ignored";
                     self.report.warning("G0505", &format!("{at}.matrix"), message);
                 }
-                affine_from_columns(m.map(f64::from))
+                affine_from_columns(m)
             }
             None => {
-                let vector = |v: Option<[f32; 3]>, default| v.map_or(default, |v| DVec3::from_array(v.map(f64::from)));
-                let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
+                let vector = |key, default| exact(raw, key).map_or(default, DVec3::from_array);
+                let [x, y, z, w] = exact(raw, "rotation").unwrap_or([0.0, 0.0, 0.0, 1.0]);
                 let rotation = DQuat::from_xyzw(x, y, z, w);
                 let unit = rotation.length_recip().is_finite().then(|| rotation.normalize());
                 if unit.is_none() {
                     let message = "is no rotation (its length is 0 or not finite); none is applied";
                     self.report.warning("G0505", &format!("{at}.rotation"), message);
                 }
-                let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
+                let (scale, translation) = (vector("scale", DVec3::ONE), vector("translation", DVec3::ZERO));
                 DAffine3::from_scale_rotation_translation(scale, unit.unwrap_or(DQuat::IDENTITY), translation)
             }
         };
-        if !local.is_finite() {
-            self.report.error("G0506", at, "the transform is not finite");
+        let reach = local
+            .matrix3
+            .to_cols_array()
+            .into_iter()
+            .chain(local.translation.to_array());
+        if !reach.map(|v| v as f32).all(f32::is_finite) {
+            self.report.error(
+                "G0506",
+                at,
+                "the transform is not finite, or beyond what single precision holds",
+            );
             return None;
         }
         Some(local)

@@ -9,6 +9,7 @@ use serde_json::Value;
 const KNOWN: &[&str] = &[
     "EXT_mesh_features",
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_structural_metadata",
     "EXT_texture_webp",
     "KHR_animation_pointer",
@@ -74,9 +75,7 @@ fn unknown(name: &str) -> Diagnostic {
     );
     d.hint(match name {
         "KHR_draco_mesh_compression" => "export the model without Draco compression, or decompress it with a glTF tool",
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "export the model without meshopt compression, or decompress it with a glTF tool"
-        }
+        "KHR_meshopt_compression" => "pack the model with EXT_meshopt_compression instead, or not at all",
         _ => {
             "export the model without it, or remove it from `extensionsRequired` to draw the model as if it were not there"
         }
