@@ -74,10 +74,24 @@ fn one_to_text(d: &Diagnostic, sources: &SourceMap) -> String {
         let old = &source.text[clamp(fix.span, &source.text)];
         format!("write `{}` instead of `{old}`", fix.replacement)
     });
-    let helps = d.hints.iter().cloned().chain(words);
+    let mut helps: Vec<String> = d.hints.iter().cloned().chain(words).collect();
+    // `did you mean …?` is the natural title of the change that does it.
+    let title = match patches.is_empty() {
+        true => None,
+        false => helps.pop(),
+    };
+    let title = title.unwrap_or_else(|| "this would mend it".to_owned());
     let mut report = vec![group];
-    report.extend(helps.map(|help| Group::with_title(Level::HELP.secondary_title(help))));
-    report.extend(patches.into_iter().map(|(fix, source)| patch(fix, source)));
+    report.extend(
+        helps
+            .into_iter()
+            .map(|help| Group::with_title(Level::HELP.secondary_title(help))),
+    );
+    report.extend(
+        patches
+            .into_iter()
+            .map(|(fix, source)| patch(fix, source, title.clone())),
+    );
     if d.labels.is_empty() {
         // Without source lines there is no margin that would have to be drawn through to the help.
         let parts = report.into_iter().map(|group| Renderer::styled().render(&[group]));
@@ -146,7 +160,7 @@ fn has_short_lines(fix: &Fix, source: &SourceFile) -> bool {
 }
 
 /// The fix as a change of its lines.
-fn patch<'a>(fix: &'a Fix, source: &'a SourceFile) -> Group<'a> {
+fn patch<'a>(fix: &'a Fix, source: &'a SourceFile, title: String) -> Group<'a> {
     let range = clamp(fix.span, &source.text);
     let window = window(&source.text, &range);
     let line = source.text[..window.start].bytes().filter(|b| *b == b'\n').count() + 1;
@@ -155,7 +169,7 @@ fn patch<'a>(fix: &'a Fix, source: &'a SourceFile) -> Group<'a> {
         .line_start(line)
         .path(source.name.as_str())
         .patch(Patch::new(range, fix.replacement.as_str()));
-    Level::HELP.secondary_title("this would mend it").element(snippet)
+    Level::HELP.secondary_title(title).element(snippet)
 }
 
 /// The span as a range inside the text, on character boundaries.
