@@ -1,6 +1,6 @@
 //! The program as its users meet it: exit codes, streams, files, signals.
 //!
-//! Tests of `mod rendering` need a renderer behind the command line; all others end before the first ray.
+//! Tests of `mod rendering` trace rays; all others end before the first one.
 
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};
@@ -247,7 +247,7 @@ fn json_lines(output: &Output) -> Vec<serde_json::Value> {
     text.lines().map(parse).collect()
 }
 
-/// Needs the renderer.
+/// Tests that trace rays.
 mod rendering {
     use super::*;
 
@@ -348,7 +348,6 @@ mod rendering {
     }
 
     #[test]
-    #[ignore = "waits for the renderer"]
     fn another_seed_gives_another_picture() {
         let bench = Bench::new();
         for (name, seed) in [("a.ppm", "1"), ("b.ppm", "2")] {
@@ -362,7 +361,6 @@ mod rendering {
     }
 
     #[test]
-    #[ignore = "waits for the renderer"]
     fn more_light_makes_a_brighter_picture() {
         let bench = Bench::new();
         let sum = |name: &str, more: &[&str]| {
@@ -405,7 +403,6 @@ mod rendering {
     }
 
     #[test]
-    #[ignore = "waits for the renderer"]
     fn an_error_goal_of_the_scene_that_is_missed_is_exit_code_3_with_a_picture() {
         let bench = Bench::new();
         let output = bench.run(&[&scene("goal.pts")]);

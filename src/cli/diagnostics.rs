@@ -68,17 +68,35 @@ fn one_to_text(d: &Diagnostic, sources: &SourceMap) -> String {
     if let Some(place) = &d.place {
         group = group.element(Origin::path(place.as_str()));
     }
-    for hint in &d.hints {
-        group = group.element(Level::HELP.message(hint.as_str()));
-    }
     let fix = d.fix.as_ref().and_then(|fix| Some((fix, sources.get(fix.span.file)?)));
     let (patches, words): (Vec<_>, Vec<_>) = fix.into_iter().partition(|(fix, source)| has_short_lines(fix, source));
-    for (fix, source) in words {
+    let words = words.into_iter().map(|(fix, source)| {
         let old = &source.text[clamp(fix.span, &source.text)];
-        group = group.element(Level::HELP.message(format!("write `{}` instead of `{old}`", fix.replacement)));
-    }
+        format!("write `{}` instead of `{old}`", fix.replacement)
+    });
+    let mut helps: Vec<String> = d.hints.iter().cloned().chain(words).collect();
+    // `did you mean …?` is the natural title of the change that does it.
+    let title = match patches.is_empty() {
+        true => None,
+        false => helps.pop(),
+    };
+    let title = title.unwrap_or_else(|| "this would mend it".to_owned());
     let mut report = vec![group];
-    report.extend(patches.into_iter().map(|(fix, source)| patch(fix, source)));
+    report.extend(
+        helps
+            .into_iter()
+            .map(|help| Group::with_title(Level::HELP.secondary_title(help))),
+    );
+    report.extend(
+        patches
+            .into_iter()
+            .map(|(fix, source)| patch(fix, source, title.clone())),
+    );
+    if d.labels.is_empty() {
+        // Without source lines there is no margin that would have to be drawn through to the help.
+        let parts = report.into_iter().map(|group| Renderer::styled().render(&[group]));
+        return parts.collect::<Vec<_>>().join("\n");
+    }
     Renderer::styled().render(&report)
 }
 
@@ -142,7 +160,7 @@ fn has_short_lines(fix: &Fix, source: &SourceFile) -> bool {
 }
 
 /// The fix as a change of its lines.
-fn patch<'a>(fix: &'a Fix, source: &'a SourceFile) -> Group<'a> {
+fn patch<'a>(fix: &'a Fix, source: &'a SourceFile, title: String) -> Group<'a> {
     let range = clamp(fix.span, &source.text);
     let window = window(&source.text, &range);
     let line = source.text[..window.start].bytes().filter(|b| *b == b'\n').count() + 1;
@@ -151,7 +169,7 @@ fn patch<'a>(fix: &'a Fix, source: &'a SourceFile) -> Group<'a> {
         .line_start(line)
         .path(source.name.as_str())
         .patch(Patch::new(range, fix.replacement.as_str()));
-    Level::HELP.secondary_title("this would mend it").element(snippet)
+    Level::HELP.secondary_title(title).element(snippet)
 }
 
 /// The span as a range inside the text, on character boundaries.
@@ -319,8 +337,13 @@ mod tests {
     #[test]
     fn a_place_without_lines_is_an_origin() {
         let mut found = Diagnostics::default();
-        found.push(Diagnostic::warning("G0104", "no such accessor").in_place("a.glb: meshes[3]"));
+        found.push(
+            Diagnostic::warning("G0104", "no such accessor")
+                .in_place("a.glb: meshes[3]")
+                .hint("export it again"),
+        );
         let shown = plain(&found, &SourceMap::default());
+        assert!(shown.ends_with("\nhelp: export it again\n\n"), "{shown:?}");
         assert!(shown.contains("warning[G0104]: no such accessor"), "{shown}");
         assert!(shown.contains("--> a.glb: meshes[3]"), "{shown}");
     }
