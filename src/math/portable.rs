@@ -31,14 +31,21 @@ pub fn cos_f64(x: f64) -> f64 {
     libm::cos(x)
 }
 
+/// (sin x, cos x) for |x| ≤ π/4, absolute error below 1e-7: Taylor polynomials.
+#[inline(always)]
+pub fn sin_cos_octant(x: f32) -> (f32, f32) {
+    let x2 = x * x;
+    let s = x + x * x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 * (-1.0 / 5040.0 + x2 * (1.0 / 362_880.0))));
+    let c = 1.0 + x2 * (-0.5 + x2 * (1.0 / 24.0 + x2 * (-1.0 / 720.0 + x2 * (1.0 / 40_320.0))));
+    (s, c)
+}
+
 /// (sin 2πu, cos 2πu) for u in [0, 1], absolute error below 2e-7, and exactly on the axes at quarter turns.
 /// Reduction by quarter turns is exact, then Taylor polynomials on [−π/4, π/4].
 pub fn sin_cos_turns(u: f32) -> (f32, f32) {
     let quarter = (u * 4.0 + 0.5) as i32; // nearest quarter turn, u ≥ 0
     let x = (u - quarter as f32 * 0.25) * std::f32::consts::TAU; // exact subtraction (Sterbenz)
-    let x2 = x * x;
-    let s = x + x * x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 * (-1.0 / 5040.0 + x2 * (1.0 / 362_880.0))));
-    let c = 1.0 + x2 * (-0.5 + x2 * (1.0 / 24.0 + x2 * (-1.0 / 720.0 + x2 * (1.0 / 40_320.0))));
+    let (s, c) = sin_cos_octant(x);
     match quarter & 3 {
         0 => (s, c),
         1 => (c, -s),

@@ -1,6 +1,6 @@
 //! Maps from the unit square to the domains that are sampled, with their densities.
 
-use super::portable::sin_cos_turns;
+use super::portable::{sin_cos_octant, sin_cos_turns};
 use super::robust::sqrt_of_nonnegative;
 use glam::{Vec2, Vec3};
 
@@ -10,24 +10,28 @@ pub const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
 /// A point of the unit disc, uniform in area; density 1/π. Concentric: neighbours stay neighbours.
 /// Source: Shirley & Chiu, A Low Distortion Map Between Disk and Square, JGT 1997.
 pub fn disc_concentric(u: Vec2) -> Vec2 {
+    concentric(u).0
+}
+
+/// The point of the disc and its (signed) radius, without a branch that the processor could guess wrong.
+#[inline(always)]
+fn concentric(u: Vec2) -> (Vec2, f32) {
     let p = u * 2.0 - Vec2::ONE;
-    if p.x == 0.0 && p.y == 0.0 {
-        return Vec2::ZERO;
-    }
-    // The angle in turns: π/4·(b/a) is 1/8 turn·(b/a); + 1 keeps it positive.
-    let (r, turns) = if p.x.abs() > p.y.abs() {
-        (p.x, 0.125 * (p.y / p.x))
-    } else {
-        (p.y, 0.25 - 0.125 * (p.x / p.y))
-    };
-    let (s, c) = sin_cos_turns(turns + 1.0);
-    Vec2::new(c, s) * r
+    let along_x = p.x.abs() > p.y.abs();
+    let r = if along_x { p.x } else { p.y };
+    let other = if along_x { p.y } else { p.x };
+    let angle = std::f32::consts::FRAC_PI_4 * (other / if r == 0.0 { 1.0 } else { r });
+    let (s, c) = sin_cos_octant(angle);
+    let (near, far) = (r * c, r * s);
+    let x = if along_x { near } else { far };
+    let y = if along_x { far } else { near };
+    (Vec2::new(x, y), r)
 }
 
 /// A direction about +z with density cos θ/π. The cosine is ≥ 0 and may be 0.
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
-    let d = disc_concentric(u);
-    d.extend(sqrt_of_nonnegative(1.0 - d.length_squared()))
+    let (d, r) = concentric(u);
+    d.extend(sqrt_of_nonnegative((1.0 - r) * (1.0 + r)))
 }
 
 /// A direction uniform over the sphere; density 1/(4π).

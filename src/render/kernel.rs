@@ -240,7 +240,7 @@ impl<'a> Kernel<'a> {
             let Some(s) = bsdf.sample(wo_local, Vec2::new(scatter[0], scatter[1]), scatter[2]) else {
                 return out;
             };
-            let wi = frame.to_world(s.wi).normalize();
+            let wi = nearly_unit(frame.to_world(s.wi));
             let crosses = s.wi.z * wo_local.z < 0.0;
             if crosses != (wi.dot(surface.ng) * wo.dot(surface.ng) < 0.0) {
                 stats.anomalies.shading_rejected += 1;
@@ -469,6 +469,13 @@ impl<'a> Kernel<'a> {
         stats.anomalies.stack_overflow += 1;
         Vec3::ZERO
     }
+}
+
+/// A vector whose length is 1 but for rounding, brought nearer to 1: one Newton step for 1/√x at x ≈ 1, which squares
+/// the deviation. Keeps directions from drifting over many bounces.
+#[inline(always)]
+fn nearly_unit(v: Vec3) -> Vec3 {
+    v * (1.5 - 0.5 * v.length_squared())
 }
 
 /// The same ray behind a surface it passes through.

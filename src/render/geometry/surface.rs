@@ -15,7 +15,7 @@ impl Geometry {
         let along = || ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(hit.t);
         match &object.shape {
             Shape::Sphere { center, radius } => {
-                let n = try_normalize_f64(along() - *center).unwrap_or(DVec3::Y);
+                let n = direction(along() - *center);
                 let p = *center + n * *radius;
                 smooth(object, hit, p, (center.abs() + *radius) * F64_MARGIN, n)
             }
@@ -43,6 +43,17 @@ impl Geometry {
 /// camera on shapes that are huge or far: there it is what counts.
 const F64_MARGIN: f64 = 32.0 * f64::EPSILON;
 
+/// `v / |v|`; by way of the largest component only where the squares would under- or overflow.
+#[inline(always)]
+fn direction(v: DVec3) -> DVec3 {
+    let squared = v.length_squared();
+    if squared.is_normal() {
+        v * (1.0 / squared.sqrt())
+    } else {
+        try_normalize_f64(v).unwrap_or(DVec3::Y)
+    }
+}
+
 struct Point {
     p: Vec3,
     p_error: Vec3,
@@ -63,6 +74,7 @@ impl Point {
     }
 }
 
+#[inline(always)]
 fn of_object(object: &GeomObject, hit: &Hit, slot: u32, point: Point) -> Surface {
     Surface {
         p: point.p,
@@ -75,6 +87,7 @@ fn of_object(object: &GeomObject, hit: &Hit, slot: u32, point: Point) -> Surface
     }
 }
 
+#[inline(always)]
 fn smooth(object: &GeomObject, hit: &Hit, p: DVec3, error: DVec3, n: DVec3) -> Surface {
     let rounded = p.as_vec3();
     let ng = n.as_vec3();
