@@ -188,6 +188,23 @@ fn a_hundred_thousand_identical_triangles_build_and_answer() {
     assert!(geometry.occluded(&ray));
 }
 
+/// Almost equal triangles: every box overlaps every other one.
+#[test]
+fn twenty_thousand_nearly_identical_triangles_build_quickly() {
+    let mut rng = Pcg::new(21);
+    let mut mesh = MeshData::default();
+    for i in 0..20_000u32 {
+        for corner in [Vec3::ZERO, Vec3::X, Vec3::Y] {
+            mesh.positions.push(corner + (in_cube(&mut rng) * 1e-6).as_vec3());
+        }
+        mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let started = std::time::Instant::now();
+    let mut geometry = single(mesh, DAffine3::IDENTITY);
+    assert!(started.elapsed().as_secs() < 10, "{:?}", started.elapsed());
+    agrees_with_brute_force(&mut geometry, 22, 100, 0.5);
+}
+
 /// Concentric boxes have one centre and, on the builder's curve, one place.
 #[test]
 fn nested_triangles_around_one_centre_build_quickly() {
