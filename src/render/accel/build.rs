@@ -9,6 +9,7 @@ use rayon::slice::ParallelSliceMut;
 use std::collections::HashMap;
 
 mod cuts;
+mod topdown;
 
 use cuts::Cuts;
 
@@ -35,12 +36,16 @@ pub fn build_tree(bounds: &[Bounds], leaf_size: u32) -> Tree {
         1.0
     };
     let stacks = Stacks::find(bounds);
-    let items: Vec<Item> = stacks
+    let boxes: Vec<Bounds> = stacks
         .lowest
         .iter()
-        .map(|&i| Item(scaled(stacks.bounds(bounds, i), 1.0 / unit)))
+        .map(|&i| scaled(stacks.bounds(bounds, i), 1.0 / unit))
         .collect();
-    let binary = build_binary(&items, leaf_size);
+    let binary = if topdown::is_needed(&boxes) {
+        topdown::build(&boxes, leaf_size as usize)
+    } else {
+        cluster(&boxes, leaf_size)
+    };
     let mut tree = widen(
         &binary,
         unit,
@@ -140,18 +145,33 @@ pub fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(exponent.max(1) << 52)
 }
 
-fn scaled(b: Bounds, factor: f64) -> Aabb {
-    let s = |v: glam::Vec3| (v.as_dvec3() * factor).as_vec3();
-    let (mut min, mut max) = (s(b.min), s(b.max));
-    if factor != 1.0 {
-        // Digits lost below the smallest number must not shrink the box.
-        min = glam::Vec3::from_array(min.to_array().map(f32::next_down));
-        max = glam::Vec3::from_array(max.to_array().map(f32::next_up));
+fn scaled(b: Bounds, factor: f64) -> Bounds {
+    if factor == 1.0 {
+        return b;
     }
-    Aabb::new(min.into(), max.into())
+    // Digits lost below the smallest number must not shrink the box.
+    let s = |v: glam::Vec3, round: fn(f32) -> f32| {
+        let v = (v.as_dvec3() * factor).as_vec3();
+        glam::Vec3::from_array(v.to_array().map(round))
+    };
+    Bounds {
+        min: s(b.min, f32::next_down),
+        max: s(b.max, f32::next_up),
+    }
 }
 
-fn build_binary(items: &[Item], leaf_size: u32) -> Bvh2 {
+/// The usual way: clustering, then optimisation by reinsertion, then leaves as full as they may be (a leaf costs the
+/// same however full it is).
+fn cluster(boxes: &[Bounds], leaf_size: u32) -> Bvh2 {
+    // In a row of equal boxes all neighbours are equally good, and one pair would be merged a round. Widening each box
+    // by its own share of 2⁻¹² breaks the ties.
+    let widened = |(b, i): (&Bounds, u32)| {
+        let share = (i.wrapping_mul(0x9E37_79B9) >> 8) as f32 / 16_777_216.0 / 4096.0;
+        let max = b.max + (b.max - b.min).max_element() * share;
+        Item(Aabb::new(b.min.into(), max.into()))
+    };
+    let items: Vec<Item> = boxes.iter().zip(0..).map(widened).collect();
+    let items = &items[..];
     let params = BvhBuildParams::medium_build();
     let mut bvh = PlocBuilder::with_capacity(items.len()).build(
         params.ploc_search_distance,
@@ -163,7 +183,7 @@ fn build_binary(items: &[Item], leaf_size: u32) -> Bvh2 {
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut bvh, params.reinsertion_batch_ratio, None);
     if leaf_size > 1 {
-        collapse(&mut bvh, leaf_size, 100.0);
+        collapse(&mut bvh, leaf_size, f32::from(u8::MAX));
         let ratio = params.reinsertion_batch_ratio * params.post_collapse_reinsertion_batch_ratio_multiplier;
         optimizer.run(&mut bvh, ratio, None);
     }

@@ -188,6 +188,43 @@ fn a_hundred_thousand_identical_triangles_build_and_answer() {
     assert!(geometry.occluded(&ray));
 }
 
+/// Almost equal triangles: every box overlaps every other one.
+#[test]
+fn twenty_thousand_nearly_identical_triangles_build_quickly() {
+    let mut rng = Pcg::new(21);
+    let mut mesh = MeshData::default();
+    for i in 0..20_000u32 {
+        for corner in [Vec3::ZERO, Vec3::X, Vec3::Y] {
+            mesh.positions.push(corner + (in_cube(&mut rng) * 1e-6).as_vec3());
+        }
+        mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let started = std::time::Instant::now();
+    let mut geometry = single(mesh, DAffine3::IDENTITY);
+    assert!(started.elapsed().as_secs() < 10, "{:?}", started.elapsed());
+    agrees_with_brute_force(&mut geometry, 22, 100, 0.5);
+}
+
+/// In a row of equal triangles no neighbour is nearer than the other.
+#[test]
+fn a_long_row_of_equal_triangles_builds_quickly() {
+    let mut mesh = MeshData::default();
+    for i in 0..30_000u32 {
+        let x = i as f32;
+        mesh.positions.extend([
+            Vec3::new(x, 0.0, 0.0),
+            Vec3::new(x + 1.0, 0.0, 0.0),
+            Vec3::new(x, 1.0, 0.0),
+        ]);
+        mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let started = std::time::Instant::now();
+    let geometry = single(mesh, DAffine3::IDENTITY);
+    assert!(started.elapsed().as_secs() < 5, "{:?}", started.elapsed());
+    let ray = Ray::new(Vec3::new(29_000.25, 0.25, 1.0), -Vec3::Z);
+    assert_eq!(geometry.closest(&ray).map(|h| h.prim.prim), Some(29_000));
+}
+
 /// Concentric boxes have one centre and, on the builder's curve, one place.
 #[test]
 fn nested_triangles_around_one_centre_build_quickly() {
