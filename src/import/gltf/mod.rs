@@ -14,6 +14,7 @@ mod buffer;
 mod camera;
 mod container;
 mod deform;
+mod deltas;
 mod document;
 mod extension;
 mod filter;
