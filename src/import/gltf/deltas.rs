@@ -172,7 +172,7 @@ mod tests {
             let mut bytes = (1.0 + f32::from(i) * 0.001).to_le_bytes().to_vec();
             bytes.extend((i * 300).to_le_bytes());
             bytes.extend((5000 - i * 77).to_le_bytes());
-            bytes.extend([(i * i) as u8, 7, u8::from(i % 3 == 0), (i * 31) as u8]);
+            bytes.extend([(i * i) as u8, 7, u8::from(i.is_multiple_of(3)), (i * 31) as u8]);
             bytes
         };
         let want: Vec<u8> = (0..40).flat_map(element).collect();

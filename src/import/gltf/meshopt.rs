@@ -263,7 +263,7 @@ pub(super) mod tests {
             [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
         };
         let face = |i: u32| {
-            if i % 2 == 0 {
+            if i.is_multiple_of(2) {
                 [i, i + 1, i + 2]
             } else {
                 [i, i + 2, i + 1]
