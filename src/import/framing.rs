@@ -147,8 +147,8 @@ fn view_angles(size: DVec3) -> (f64, f64) {
 
 /// The place from which everything lies inside the pyramid of view, as near as possible. `half_*` are the tangents
 /// of its half angles. A side plane of the pyramid through the camera at (x, z) holds all points if
-/// x − half·z ≥ h, h being the farthest that any point lies along the plane's normal; the two planes of a pair meet
-/// at the answer.
+/// x − half·z ≥ h, h being the farthest that any point lies along the plane's normal; the two planes of a pair
+/// meet at the answer.
 fn fit(scene: &Scene, center: DVec3, size: DVec3, axes: [DVec3; 3], half_width: f64, half_height: f64) -> DVec3 {
     let [direction, right, up] = axes;
     let normals = [

@@ -58,11 +58,12 @@ impl Loader<'_> {
         let view: json::buffer::View = self.doc.get(index, at, &mut self.report)?;
         let at = format!("bufferViews[{index}]");
         let stride = view.byte_stride.map(|s| s.0 as u64).filter(|s| *s > 0);
-        if let Some(packed) = Fields::of(raw, "EXT_meshopt_compression", &at) {
+        let packed = PACKINGS.iter().find_map(|name| Fields::of(raw, name, &at));
+        if let Some(packed) = packed {
             let bytes = match self.unpacked.get(&index) {
                 Some(known) => known.clone(),
                 None => {
-                    let unpacked = self.unpack(&packed, &at);
+                    let unpacked = self.unpack(&packed);
                     self.bytes += unpacked.as_ref().map_or(0, |b| b.len() as u64);
                     self.unpacked.insert(index, unpacked.clone());
                     unpacked
@@ -87,8 +88,8 @@ impl Loader<'_> {
         part
     }
 
-    /// The bytes of a view packed by `EXT_meshopt_compression`.
-    fn unpack(&mut self, packed: &Fields, at: &str) -> Option<Blob> {
+    /// The bytes of a packed view.
+    fn unpack(&mut self, packed: &Fields) -> Option<Blob> {
         let mut whole = |key: &str, default: u64| {
             let value = packed.member(key).map_or(Some(default), |v| v.as_u64());
             if value.is_none() {
@@ -105,8 +106,8 @@ impl Loader<'_> {
             count: usize::try_from(count).ok()?,
             stride: usize::try_from(stride).ok()?,
         };
-        let at = format!("{at}.extensions.EXT_meshopt_compression");
-        let data = self.part(usize::try_from(buffer).ok()?, offset, length, &at)?;
+        let at = packed.at();
+        let data = self.part(usize::try_from(buffer).ok()?, offset, length, at)?;
         match meshopt::unpack(&packing, &data) {
             Ok(bytes) => {
                 let all = 0..bytes.len();
@@ -114,7 +115,7 @@ impl Loader<'_> {
             }
             Err(why) => {
                 let d = Diagnostic::error("G0314", format!("the packed view cannot be read: {why}"));
-                self.report.push(&at, d.hint(CUT));
+                self.report.push(at, d.hint(CUT));
                 None
             }
         }
@@ -184,6 +185,7 @@ impl Loader<'_> {
     }
 }
 
+const PACKINGS: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 const CUT: &str = "the file is cut or damaged: copy or export it again";
 
 /// Refuses a buffer shorter than it says; a longer one (padding) is cut to its length.

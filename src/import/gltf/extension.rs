@@ -50,6 +50,11 @@ impl<'v> Fields<'v> {
         self.value?.get(key)
     }
 
+    /// Where the object stands, for messages.
+    pub fn at(&self) -> &str {
+        &self.at
+    }
+
     /// Where a member stands, for messages.
     pub fn place(&self, key: &str) -> String {
         format!("{}.{key}", self.at)

@@ -1,4 +1,4 @@
-//! The filters of `EXT_meshopt_compression`, undone: unit vectors, rotations and floats from shorter codes.
+//! The filters of packed views, undone: unit vectors, rotations, floats and colours from shorter codes.
 
 /// Undoes the filter `name` on elements of `stride` bytes.
 pub(super) fn apply(name: &str, stride: usize, data: &mut [u8]) -> Result<(), &'static str> {
@@ -18,6 +18,20 @@ pub(super) fn apply(name: &str, stride: usize, data: &mut [u8]) -> Result<(), &'
             let code = i32::from_le_bytes(*e);
             let mantissa = f64::from((code << 8) >> 8);
             *e = ((mantissa * f64::from(code >> 24).exp2()) as f32).to_le_bytes();
+        }),
+        ("COLOR", 4) => data.as_chunks_mut::<4>().0.iter_mut().for_each(|e| {
+            let code = [
+                i32::from(e[0]),
+                i32::from(e[1] as i8),
+                i32::from(e[2] as i8),
+                i32::from(e[3]),
+            ];
+            *e = color(code, 255.0).map(|v| v as u8);
+        }),
+        ("COLOR", 8) => words(data, |e| {
+            let unsigned = |v: i16| i32::from(v as u16);
+            let code = [unsigned(e[0]), i32::from(e[1]), i32::from(e[2]), unsigned(e[3])];
+            color(code, 65535.0).map(|v| v as u16 as i16)
         }),
         _ => return Err("its `filter` is unknown, or does not go with its `byteStride`"),
     }
@@ -56,6 +70,15 @@ fn quaternion(e: [i16; 4]) -> [i16; 4] {
         out[(largest + i) % 4] = (v * 32767.0).round() as i16;
     }
     out
+}
+
+/// A colour from luma, two chroma differences and alpha, whose highest bit tells the precision.
+fn color([y, co, cg, alpha]: [i32; 4], most: f32) -> [f32; 4] {
+    let bits = i32::BITS - alpha.leading_zeros();
+    let one = (1 << bits.min(16)) - 1;
+    let a = alpha & (one >> 1);
+    let rgba = [y + co - cg, y + cg, y - co - cg, (a << 1) | (a & 1)];
+    rgba.map(|v| (v as f32 * (most / one as f32)).round())
 }
 
 #[cfg(test)]
@@ -105,5 +128,16 @@ mod tests {
                 "{i}: {q:?}"
             );
         }
+    }
+
+    #[test]
+    fn colours_come_back_from_luma_and_chroma_at_their_own_precision() {
+        let mut full = [100, 20, (-10i8) as u8, 0xFF];
+        super::apply("COLOR", 4, &mut full).unwrap();
+        assert_eq!(full, [130, 90, 90, 255]);
+        // Five bits: alpha 0b1_0000 is none, and luma 31 is 1.
+        let mut coarse = [31, 0, 0, 0b1_0000];
+        super::apply("COLOR", 4, &mut coarse).unwrap();
+        assert_eq!(coarse, [255, 255, 255, 0]);
     }
 }

@@ -1,13 +1,14 @@
-//! `EXT_meshopt_compression`: views whose bytes are packed by the bit streams of the extension's appendix A and
-//! filtered by its appendix B. Every read is checked; the output is bounded by the input's length.
+//! `EXT_meshopt_compression` and `KHR_meshopt_compression`: views whose bytes are packed by the bit streams of the
+//! extensions' appendix A and filtered by their appendix B. Every read is checked; the output is bounded by the
+//! input's length.
 
-use super::filter;
+use super::{deltas, filter};
 
 /// How a view is packed.
 pub(super) struct Packing<'a> {
     /// `ATTRIBUTES`, `TRIANGLES` or `INDICES`.
     pub mode: &'a str,
-    /// `NONE`, `OCTAHEDRAL`, `QUATERNION` or `EXPONENTIAL`.
+    /// `NONE`, `OCTAHEDRAL`, `QUATERNION`, `EXPONENTIAL` or `COLOR`.
     pub filter: &'a str,
     /// Elements.
     pub count: usize,
@@ -20,7 +21,7 @@ pub(super) fn unpack(packing: &Packing, data: &[u8]) -> Result<Vec<u8>, &'static
     let (count, stride) = (packing.count, packing.stride);
     match packing.mode {
         "ATTRIBUTES" => {
-            let mut out = attributes(data, count, stride)?;
+            let mut out = deltas::attributes(data, count, stride)?;
             filter::apply(packing.filter, stride, &mut out)?;
             Ok(out)
         }
@@ -30,19 +31,19 @@ pub(super) fn unpack(packing: &Packing, data: &[u8]) -> Result<Vec<u8>, &'static
     }
 }
 
-const CUT: &str = "its data end too early";
+pub(super) const CUT: &str = "its data end too early";
 
 /// A reader that knows where its data end.
-struct Bytes<'a>(&'a [u8]);
+pub(super) struct Bytes<'a>(&'a [u8]);
 
 impl<'a> Bytes<'a> {
-    fn take(&mut self, n: usize) -> Result<&'a [u8], &'static str> {
+    pub fn take(&mut self, n: usize) -> Result<&'a [u8], &'static str> {
         let (head, rest) = self.0.split_at_checked(n).ok_or(CUT)?;
         self.0 = rest;
         Ok(head)
     }
 
-    fn byte(&mut self) -> Result<u8, &'static str> {
+    pub fn byte(&mut self) -> Result<u8, &'static str> {
         self.take(1).map(|b| b[0])
     }
 
@@ -61,7 +62,7 @@ impl<'a> Bytes<'a> {
 }
 
 /// Splits a stream into what follows its header byte and its tail.
-fn frame(data: &[u8], header: u8, tail: usize) -> Result<(Bytes<'_>, &[u8]), &'static str> {
+pub(super) fn frame(data: &[u8], header: u8, tail: usize) -> Result<(Bytes<'_>, &[u8]), &'static str> {
     match data.split_first() {
         Some((found, rest)) if *found == header => {
             let body = rest.len().checked_sub(tail).ok_or(CUT)?;
@@ -71,58 +72,6 @@ fn frame(data: &[u8], header: u8, tail: usize) -> Result<(Bytes<'_>, &[u8]), &'s
         Some(_) => Err("its data have the header of another mode or version"),
         None => Err(CUT),
     }
-}
-
-/// Mode 0: the bytes of elements, as differences to the element before, sixteen at a time.
-fn attributes(data: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, &'static str> {
-    if stride == 0 || stride > 256 || !stride.is_multiple_of(4) {
-        return Err("its `byteStride` is not a multiple of 4 up to 256");
-    }
-    // Two bits hold at best sixteen bytes.
-    if count.checked_mul(stride).is_none_or(|n| n / 64 > data.len()) {
-        return Err(CUT);
-    }
-    let (mut body, tail) = frame(data, 0xA0, stride.max(32))?;
-    let mut last = tail[tail.len() - stride..].to_vec();
-    let mut out = vec![0; count * stride];
-    let block = ((8192 / stride) & !15).min(256);
-    for elements in out.chunks_mut(block * stride) {
-        let groups = (elements.len() / stride).div_ceil(16);
-        for (k, last) in last.iter_mut().enumerate() {
-            let modes = body.take(groups.div_ceil(4))?;
-            for group in 0..groups {
-                let deltas = group_deltas(modes[group / 4] >> (2 * (group % 4)) & 3, &mut body)?;
-                let column = elements[group * 16 * stride..].iter_mut().skip(k).step_by(stride);
-                for (byte, delta) in column.zip(deltas) {
-                    *last = last.wrapping_add(unzigzag_byte(delta));
-                    *byte = *last;
-                }
-            }
-        }
-    }
-    Ok(out)
-}
-
-/// Sixteen differences in 0, 2, 4 or 8 bits each; where all bits are set the difference follows as a byte.
-fn group_deltas(mode: u8, body: &mut Bytes) -> Result<[u8; 16], &'static str> {
-    let bits = match mode {
-        0 => return Ok([0; 16]),
-        3 => return body.take(16)?.try_into().map_err(|_| CUT),
-        mode => 2 * usize::from(mode),
-    };
-    let packed = body.take(2 * bits)?;
-    let escape = (1u8 << bits) - 1;
-    let mut deltas = [0; 16];
-    for (i, delta) in deltas.iter_mut().enumerate() {
-        let bit = i * bits;
-        let value = packed[bit / 8] >> (8 - bits - bit % 8) & escape;
-        *delta = if value == escape { body.byte()? } else { value };
-    }
-    Ok(deltas)
-}
-
-fn unzigzag_byte(v: u8) -> u8 {
-    (v >> 1) ^ (v & 1).wrapping_neg()
 }
 
 fn unzigzag(v: u32) -> u32 {
@@ -314,7 +263,7 @@ pub(super) mod tests {
             [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
         };
         let face = |i: u32| {
-            if i % 2 == 0 {
+            if i.is_multiple_of(2) {
                 [i, i + 1, i + 2]
             } else {
                 [i, i + 2, i + 1]

@@ -2,18 +2,20 @@
 //!
 //! The `gltf` crate gives the schema: each element of the file is read as one of its typed JSON structures when it is
 //! first used. Everything around it is our own, since input may be cut, cyclic or absurd: the container and its JSON
-//! ([`container`]), the lookup of elements ([`document`]), files ([`uri`]), buffers ([`buffer`]), accessors
-//! ([`accessor`]), the node tree ([`node`]), primitives ([`mesh`], [`part`], [`triangles`], [`deform`], [`tangent`]),
-//! materials ([`material`], [`extension`], [`texture`]), lamps and cameras ([`light`], [`camera`]).
+//! (`container`), the lookup of elements (`document`), files (`uri`), buffers (`buffer`, packed ones `meshopt`,
+//! `deltas`, `filter`), accessors (`accessor`), the node tree (`node`), primitives (`mesh`, `part`, `triangles`,
+//! `deform`, `tangent`), materials (`material`, `extension`, `texture`), lamps and cameras (`light`, `camera`).
 //!
 //! What is not reached from the chosen scene is not read, so it cannot fail either. Errors are collected: a broken
-//! mesh does not hide a broken material.
+//! mesh does not hide a broken material. Animations are not played: skins and morph targets stand as the nodes are
+//! written.
 
 mod accessor;
 mod buffer;
 mod camera;
 mod container;
 mod deform;
+mod deltas;
 mod document;
 mod extension;
 mod filter;

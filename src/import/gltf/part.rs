@@ -1,5 +1,6 @@
-//! A primitive's data on its way into a mesh, and the joining of parts.
+//! A primitive's data on its way into a mesh: mending what is not finite, and joining parts of like layout.
 
+use super::Loader;
 use crate::scene::{MaterialId, Mesh};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -38,6 +39,55 @@ impl Part {
         let uvs = self.uvs.iter().map(Vec::is_empty).collect();
         let (normals, tangents) = (self.normals.is_empty(), self.tangents.is_empty());
         (self.flip_winding, normals, tangents, self.colors.is_empty(), uvs)
+    }
+}
+
+impl Loader<'_> {
+    /// Leaves out faces with a corner that is not finite.
+    pub(super) fn drop_infinite(&mut self, part: &mut Part, at: &str) {
+        let before = part.triangles.len();
+        let positions = &part.positions;
+        let is_finite = |v: u32| positions[v as usize].is_finite();
+        part.triangles.retain(|face| face.iter().all(|&v| is_finite(v)));
+        part.dropped = (before - part.triangles.len()) as u64;
+        if part.dropped > 0 {
+            let message = format!(
+                "{} of {before} faces have a corner that is not finite; they are left out",
+                part.dropped
+            );
+            self.report
+                .warning("G0613", &format!("{at}.attributes.POSITION"), message);
+        }
+    }
+
+    /// Normalises normals; one that cannot be is replaced by the mean of its faces'.
+    pub(super) fn mend_normals(&mut self, part: &mut Part, at: &str) {
+        let mut bad = 0;
+        for n in &mut part.normals {
+            *n = n.try_normalize().unwrap_or_else(|| {
+                bad += 1;
+                Vec3::ZERO
+            });
+        }
+        if bad == 0 {
+            return;
+        }
+        let message = format!(
+            "{bad} of {} have no direction; their faces' are used",
+            part.normals.len()
+        );
+        self.report.warning("G0614", at, message);
+        let mut sums = vec![DVec3::ZERO; part.normals.len()];
+        for face in &part.triangles {
+            let [a, b, c] = face.map(|v| part.positions[v as usize]);
+            let area = (b - a).cross(c - a) * if part.flip_winding { -1.0 } else { 1.0 };
+            face.iter().for_each(|&v| sums[v as usize] += area);
+        }
+        for (n, sum) in part.normals.iter_mut().zip(sums) {
+            if *n == Vec3::ZERO {
+                *n = sum.normalize_or(DVec3::Z).as_vec3();
+            }
+        }
     }
 }
 

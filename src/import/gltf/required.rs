@@ -28,6 +28,7 @@ const KNOWN: &[&str] = &[
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_transform",
     "KHR_xmp",
@@ -75,7 +76,6 @@ fn unknown(name: &str) -> Diagnostic {
     );
     d.hint(match name {
         "KHR_draco_mesh_compression" => "export the model without Draco compression, or decompress it with a glTF tool",
-        "KHR_meshopt_compression" => "pack the model with EXT_meshopt_compression instead, or not at all",
         _ => {
             "export the model without it, or remove it from `extensionsRequired` to draw the model as if it were not there"
         }

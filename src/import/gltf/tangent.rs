@@ -1,7 +1,8 @@
 //! Tangents for normal maps whose model brings none: MikkTSpace, as the specification asks.
 //!
-//! The generator takes some microseconds a triangle, so large meshes are cut into chunks that run in parallel. A vertex's tangent
-//! depends on the faces around it alone; each chunk therefore also sees the faces that touch it, and the cut changes nothing.
+//! The generator takes some microseconds a triangle, so large meshes are cut into chunks that run in parallel. A
+//! vertex's tangent depends on the faces around it alone; each chunk therefore also sees the faces that touch it, and
+//! the cut changes nothing.
 
 use super::part::Part;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
