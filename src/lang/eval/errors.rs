@@ -160,7 +160,11 @@ impl Interp<'_> {
             return self.undefined(tok);
         }
         let found = self.describe(tok);
-        let mut d = Diagnostic::error("P0202", format!("unexpected {found} in {place}")).at(tok.span, "");
+        let mut d = Diagnostic::error(
+            "P0202",
+            format!("unexpected {} in {place}", found.trim_start_matches("a ")),
+        )
+        .at(tok.span, "");
         if let Some(best) = best {
             d = d.hint(format!("did you mean `{best}`?")).with_fix(tok.span, best);
         } else if let Some(meant) = foreign(&text) {

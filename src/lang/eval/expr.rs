@@ -190,7 +190,10 @@ impl Interp<'_> {
     }
 
     fn comparison(&mut self) -> Parsed<Num> {
-        // Strings compare too: `#if (strcmp(a, b) = 0)` is usual, but `(A = "x")` reads as well.
+        // Strings compare too: `(A = "x")` reads as well as `(strcmp(A, "x") = 0)`.
+        if self.starts_text() {
+            return self.text_comparison();
+        }
         let mut left = self.expr()?;
         loop {
             let T::Mark(mark) = self.peek().t else { return Ok(left) };
@@ -214,6 +217,26 @@ impl Interp<'_> {
             };
             left = Num::float(f64::from(u8::from(holds)));
         }
+    }
+
+    fn text_comparison(&mut self) -> Parsed<Num> {
+        let left = self.text("left side")?;
+        let tok = self.peek();
+        let T::Mark(mark @ (b'=' | b'<' | b'>' | NE | LE | GE)) = tok.t else {
+            return Err(self.expected_not("a comparison of strings", tok));
+        };
+        self.bump();
+        let right = self.text("right side")?;
+        let order = left.cmp(&right);
+        let holds = match mark {
+            b'=' => order.is_eq(),
+            NE => order.is_ne(),
+            b'<' => order.is_lt(),
+            b'>' => order.is_gt(),
+            LE => order.is_le(),
+            _ => order.is_ge(),
+        };
+        Ok(Num::float(f64::from(u8::from(holds))))
     }
 
     /// A float.

@@ -83,6 +83,7 @@ impl Interp<'_> {
                     | Inside
                     | MinExtent
                     | MaxExtent
+                    | Vturbulence
             )
     }
 
@@ -201,6 +202,11 @@ impl Interp<'_> {
                     Some(v) if rest.len() >= 2 => Ok(*v),
                     _ => Err(self.error("P0306", span, "`select` needs 3 or 4 arguments")),
                 };
+            }
+            Vturbulence => {
+                self.skip_arguments()?;
+                self.warn_once("P0409", span, "`vturbulence` is not supported yet and is taken as 0");
+                return Ok(Num::vec3(glam::DVec3::ZERO));
             }
             Trace | Inside | MinExtent | MaxExtent | Sum | Prod => {
                 let message = format!("`{}` is not supported yet", w.text());

@@ -125,7 +125,7 @@ impl Interp<'_> {
                 if self.eat(b',') || matches!(self.peek().t, T::Number(_)) {
                     self.finite("vertical angle")?;
                 }
-                if !(angle > 0.0 && angle < 360.0) {
+                if !(angle > 0.0 && angle <= 360.0) {
                     return Err(self.error(
                         "P0311",
                         at,

@@ -22,3 +22,8 @@ mod skip;
 mod texture;
 mod transform;
 mod words;
+
+/// Whether a word begins something at the top level of a scene.
+pub fn is_item_word(w: crate::lang::syntax::Word) -> bool {
+    words::ITEMS.contains(&w)
+}

@@ -127,7 +127,13 @@ impl Interp<'_> {
                 };
             }
             while s.eat(b'[') {
-                let at = s.float("place in the map")?;
+                // `average` maps may leave the weight out.
+                let numbered = matches!(s.peek().t, T::Number(_) | T::Mark(b'-' | b'(')) || !of_pigments;
+                let at = if numbered || (s.starts_expr() && !s.starts_color()) {
+                    s.float("place in the map")?
+                } else {
+                    entries.len() as f64
+                };
                 s.comma();
                 if of_pigments {
                     let here = s.peek().span;

@@ -117,8 +117,10 @@ impl Interp<'_> {
         self.block(|s| {
             let mut first = None;
             while s.eat(b'[') {
-                s.float("place in the map")?;
-                s.comma();
+                if s.starts_expr() {
+                    s.float("place in the map")?; // `average` maps may leave the weight out
+                    s.comma();
+                }
                 let at = s.peek().span;
                 let layers = s.nested(at, |s| s.texture_items(b']'))?;
                 first.get_or_insert(layers);
