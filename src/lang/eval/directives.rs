@@ -208,6 +208,9 @@ impl Interp<'_> {
     }
 
     fn set_version(&mut self) -> Parsed<()> {
+        if self.eat_word_text("unofficial") {
+            self.raw_name("a program's name")?; // `#version unofficial megapov 1.0;`
+        }
         let at = self.peek().span;
         let version = self.held(|s| s.float("version"))?;
         if !(1.0..=3.8).contains(&version) {

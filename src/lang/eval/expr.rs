@@ -241,20 +241,34 @@ impl Interp<'_> {
 
     /// A float.
     pub fn float(&mut self, what: &str) -> Parsed<f64> {
-        let start = self.peek().span;
+        let start = self.value_start(what, "a number")?;
         let v = self.expr()?;
         self.as_float(v, start, what)
     }
 
     /// A finite float.
     pub fn finite(&mut self, what: &str) -> Parsed<f64> {
-        let start = self.peek().span;
+        let start = self.value_start(what, "a number")?;
         let v = self.expr()?;
         let v = self.as_float(v, start, what)?;
         if !v.is_finite() {
             return Err(self.error("P0304", start, format!("{what} is not a finite number")));
         }
         Ok(v)
+    }
+
+    /// The place where a value begins; an error that names it if none does.
+    fn value_start(&mut self, what: &str, kind: &str) -> Parsed<Span> {
+        let tok = self.peek();
+        let begins = match tok.t {
+            T::Number(_) | T::Name(_) | T::Mark(b'(' | b'<' | b'+' | b'-' | b'!') => true,
+            T::Word(w) => self.is_value_word(w),
+            _ => false,
+        };
+        if begins {
+            return Ok(tok.span);
+        }
+        Err(self.expected_not(&format!("the {what}, {kind}"), tok))
     }
 
     fn as_float(&mut self, v: Num, span: Span, what: &str) -> Parsed<f64> {
@@ -267,7 +281,7 @@ impl Interp<'_> {
 
     /// A vector of three finite components; a float stands for all three.
     pub fn vec3(&mut self, what: &str) -> Parsed<DVec3> {
-        let start = self.peek().span;
+        let start = self.value_start(what, "a vector")?;
         let v = self.expr()?.xyz();
         if !v.is_finite() {
             return Err(self.error("P0304", start, format!("{what} is not finite")));

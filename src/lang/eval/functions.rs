@@ -208,7 +208,11 @@ impl Interp<'_> {
                 self.warn_once("P0409", span, "`vturbulence` is not supported yet and is taken as 0");
                 return Ok(Num::vec3(glam::DVec3::ZERO));
             }
-            Trace | Inside | MinExtent | MaxExtent | Sum | Prod => {
+            MinExtent | MaxExtent => {
+                let [min, max] = self.extent(span)?;
+                return Ok(Num::vec3(if w == MinExtent { min } else { max }));
+            }
+            Trace | Inside | Sum | Prod => {
                 let message = format!("`{}` is not supported yet", w.text());
                 return Err(self.error("P0404", span, message));
             }

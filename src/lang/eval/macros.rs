@@ -113,8 +113,9 @@ impl Interp<'_> {
                 None => Argument::Value(self.rvalue()?),
             };
             args.push(arg);
-            if !self.eat(b',') && self.peek().t != T::Mark(b')') {
-                return Err(self.expected("`,` or `)`"));
+            self.comma(); // optional, as everywhere
+            if self.peek().t == T::End {
+                break;
             }
         }
         self.expect(b')')?;

@@ -99,6 +99,8 @@ pub struct Interp<'a> {
     failed: bool,
     /// Whether a failed block has just been skipped to its end.
     resumed: bool,
+    /// Whether the failed block ends where the stream stands, its brace being missing.
+    closed_early: bool,
     halted: bool,
     errors: usize,
     steps: u64,
@@ -140,6 +142,7 @@ impl<'a> Interp<'a> {
             muted: 0,
             failed: false,
             resumed: false,
+            closed_early: false,
             halted: false,
             errors: 0,
             steps: 0,

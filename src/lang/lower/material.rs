@@ -56,7 +56,7 @@ impl Interp<'_> {
                     self.bump();
                     emission = Some((self.color_source()?, tok.span));
                 }
-                T::Name(_) => match self.take_value()? {
+                T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                     Value::Desc(Desc::Material(named)) => look = named,
                     Value::Desc(Desc::Texture(layers)) => look.layers = Some(layers),
                     Value::Desc(Desc::Interior(i)) => look.interior = Some(i),
@@ -296,7 +296,7 @@ impl Interp<'_> {
         let tok = self.peek();
         match tok.t {
             T::Word(Word::Material) => self.material(),
-            T::Name(_) => match self.take_value()? {
+            T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                 Value::Desc(Desc::Material(look)) => Ok(look),
                 Value::Desc(Desc::Texture(layers)) => Ok(Look {
                     layers: Some(layers),

@@ -5,6 +5,7 @@ mod csg;
 mod emit;
 mod emit_material;
 mod environment;
+mod extent;
 mod finish;
 mod interior;
 mod item;

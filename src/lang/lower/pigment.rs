@@ -80,7 +80,7 @@ impl Interp<'_> {
                         return Err(stop);
                     }
                 }
-                T::Name(_) => match self.take_value()? {
+                T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                     Value::Desc(Desc::Pigment(p)) => base = p,
                     Value::Desc(Desc::Map(p)) => map = Some(p),
                     Value::Num(v) => colors.push(v.five()),

@@ -67,7 +67,7 @@ impl Interp<'_> {
                         return Err(stop);
                     }
                 }
-                T::Name(_) => match self.take_value()? {
+                T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                     Value::Desc(Desc::Texture(named)) => {
                         layers = named.to_vec();
                         if let Some(top) = layers.pop() {
