@@ -161,6 +161,6 @@ fn malformed_scenes_give_an_error_with_a_place_in_bounded_time() {
             .iter()
             .any(|d| d.severity == Severity::Error && d.primary_span().is_some());
         assert!(loaded.scene.is_none() && placed, "{} gave {all:?}", case.display());
-        assert!(took < Duration::from_secs(20), "{} took {took:?}", case.display());
+        assert!(took < Duration::from_secs(60), "{} took {took:?}", case.display());
     }
 }

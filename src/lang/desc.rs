@@ -73,6 +73,10 @@ pub struct ObjectDesc {
     pub look: Look,
     /// Which rays see it.
     pub visibility: Visibility,
+    /// How deep unions are nested in it.
+    pub depth: u32,
+    /// How many shapes and lamps it places.
+    pub leaves: u64,
     /// Where it was written.
     pub span: Span,
 }
@@ -85,6 +89,8 @@ impl ObjectDesc {
             transform: DAffine3::IDENTITY,
             look: Look::default(),
             visibility: Visibility::default(),
+            depth: 0,
+            leaves: 1,
             span,
         }
     }
@@ -247,6 +253,8 @@ pub struct SurfaceDesc {
     pub model: ModelSurface,
     /// `emission`, in the scene's working gamma.
     pub emission: Option<Rc<Pigment>>,
+    /// How deep mixes are nested in it.
+    pub depth: u32,
     /// Where it was written.
     pub span: Span,
 }

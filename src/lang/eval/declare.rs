@@ -10,7 +10,14 @@ impl Interp<'_> {
     /// `#declare Name = value;`, behind the directive.
     pub fn declare(&mut self, local: bool) -> Parsed<()> {
         let scope = self.frame().map_or(0, |f| f.scope);
-        let (name, span) = self.raw_name("a name to declare")?;
+        let (mut name, mut span) = self.raw_name("a name to declare")?;
+        if &*self.names.name(name) == "deprecated" && !self.raw_is(0, b'=') {
+            self.eat_word_text("once");
+            if self.starts_text() {
+                self.text("advice")?;
+            }
+            (name, span) = self.raw_name("a name to declare")?;
+        }
         self.check_declarable(name, span)?;
         let indices = self.unheld(|s| if s.raw_is(0, b'[') { s.indices() } else { Ok(Vec::new()) })?;
         // The place is found first: the value may come from a macro call whose scope is gone by then.

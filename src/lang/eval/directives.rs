@@ -4,7 +4,7 @@ use super::stream::Control;
 use super::{Interp, Num, Parsed};
 use crate::diag::{Diagnostic, Span};
 use crate::lang::syntax::token::DIRECTIVES;
-use crate::lang::syntax::{Directive, DirectiveKind, NONE, TokenKind};
+use crate::lang::syntax::{Directive, DirectiveKind, Interner, NONE, Symbol, TokenKind};
 
 impl Interp<'_> {
     /// Runs the directive that comes next in the innermost frame. Errors are reported and skipped over.
@@ -44,27 +44,32 @@ impl Interp<'_> {
         }
     }
 
-    /// Skips what is left of a failed directive: up to a semicolon, the next directive or a line that starts anew.
+    /// Skips what is left of a failed directive: up to a semicolon, the next directive, a closing brace, or a line that
+    /// begins with a word which may begin an item.
     fn skip_line(&mut self, from: Span) {
-        let line = |s: &Self, span: Span| {
-            s.sources
-                .get(span.file)
-                .map(|f| f.text.clone())
-                .map(|t| (t, span.start as usize))
-        };
-        let Some((text, start)) = line(self, from) else { return };
-        let mut last = start;
+        let text = self.sources.get(from.file).map(|f| f.text.clone());
+        let Some(text) = text else { return };
+        let mut last = from.end as usize;
+        let mut depth = 0usize;
         while let Some((token, span)) = self.raw(0) {
-            let between = text
-                .get(last.min(span.start as usize)..span.start as usize)
-                .unwrap_or("");
-            if span.file != from.file || token.kind == TokenKind::Directive || (last != start && between.contains('\n'))
-            {
+            let new_line = text.get(last..span.start as usize).is_some_and(|t| t.contains('\n'));
+            let begins_item = new_line && depth == 0 && token.kind == TokenKind::Name && is_item(token.data);
+            let mark = if token.kind == TokenKind::Mark {
+                token.data as u8
+            } else {
+                0
+            };
+            if token.kind == TokenKind::Directive || begins_item || (mark == b'}' && depth == 0) {
                 return;
+            }
+            match mark {
+                b'{' => depth += 1,
+                b'}' => depth -= 1,
+                _ => {}
             }
             last = span.end as usize;
             self.jump_by_one();
-            if token.kind == TokenKind::Mark && token.data == u32::from(b';') {
+            if mark == b';' && depth == 0 {
                 return;
             }
         }
@@ -203,6 +208,9 @@ impl Interp<'_> {
     }
 
     fn set_version(&mut self) -> Parsed<()> {
+        if self.eat_word_text("unofficial") {
+            self.raw_name("a program's name")?; // `#version unofficial megapov 1.0;`
+        }
         let at = self.peek().span;
         let version = self.held(|s| s.float("version"))?;
         if !(1.0..=3.8).contains(&version) {
@@ -282,4 +290,8 @@ impl Interp<'_> {
         }
         self.report(d)
     }
+}
+
+fn is_item(symbol: u32) -> bool {
+    Interner::word(Symbol(symbol)).is_some_and(|w| crate::lang::lower::is_item_word(w))
 }

@@ -137,7 +137,10 @@ impl Interp<'_> {
             .at(tok.span, "not declared before this point");
         if let Some(best) = nearest(&name, declared.iter().map(String::as_str)) {
             d = d.hint(format!("did you mean `{best}`?")).with_fix(tok.span, best);
-        } else if let Some(file) = builtin_that_defines(&name) {
+        } else if let Some((best, file)) = builtin_near(&name) {
+            if best != &*name {
+                d = d.hint(format!("did you mean `{best}`, from {file}?"));
+            }
             d = d.hint(format!("add `#include \"{file}\"`"));
         }
         self.report(d)
@@ -160,7 +163,11 @@ impl Interp<'_> {
             return self.undefined(tok);
         }
         let found = self.describe(tok);
-        let mut d = Diagnostic::error("P0202", format!("unexpected {found} in {place}")).at(tok.span, "");
+        let mut d = Diagnostic::error(
+            "P0202",
+            format!("unexpected {} in {place}", found.trim_start_matches("a ")),
+        )
+        .at(tok.span, "");
         if let Some(best) = best {
             d = d.hint(format!("did you mean `{best}`?")).with_fix(tok.span, best);
         } else if let Some(meant) = foreign(&text) {
@@ -232,16 +239,21 @@ fn foreign(word: &str) -> Option<&'static str> {
     })
 }
 
-/// Which built-in include declares a name.
-fn builtin_that_defines(name: &str) -> Option<&'static str> {
-    let declares = |text: &str| {
-        ["#declare ", "#macro "].iter().any(|d| {
-            text.match_indices(d).any(|(at, _)| {
-                let rest = text.get(at + d.len()..).unwrap_or("");
-                rest.strip_prefix(name)
-                    .is_some_and(|r| !r.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
-            })
-        })
-    };
-    crate::lang::builtin::FILES.iter().find(|f| declares(f.1)).map(|f| f.0)
+/// The name nearest to this one that a built-in include declares, and the include; the name itself comes first.
+fn builtin_near(name: &str) -> Option<(&'static str, &'static str)> {
+    let mut declared: Vec<(&'static str, &'static str)> = Vec::new();
+    for (file, text) in crate::lang::builtin::FILES {
+        for mark in ["#declare ", "#macro "] {
+            declared.extend(text.match_indices(mark).filter_map(|(at, _)| {
+                let rest = text.get(at + mark.len()..)?;
+                let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_'))?;
+                Some((rest.get(..end)?, *file))
+            }));
+        }
+    }
+    if let Some(found) = declared.iter().find(|d| d.0 == name) {
+        return Some(*found);
+    }
+    let best = nearest(name, declared.iter().map(|d| d.0))?;
+    declared.into_iter().find(|d| d.0 == best)
 }

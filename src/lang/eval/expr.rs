@@ -190,7 +190,10 @@ impl Interp<'_> {
     }
 
     fn comparison(&mut self) -> Parsed<Num> {
-        // Strings compare too: `#if (strcmp(a, b) = 0)` is usual, but `(A = "x")` reads as well.
+        // Strings compare too: `(A = "x")` reads as well as `(strcmp(A, "x") = 0)`.
+        if self.starts_text() {
+            return self.text_comparison();
+        }
         let mut left = self.expr()?;
         loop {
             let T::Mark(mark) = self.peek().t else { return Ok(left) };
@@ -216,22 +219,56 @@ impl Interp<'_> {
         }
     }
 
+    fn text_comparison(&mut self) -> Parsed<Num> {
+        let left = self.text("left side")?;
+        let tok = self.peek();
+        let T::Mark(mark @ (b'=' | b'<' | b'>' | NE | LE | GE)) = tok.t else {
+            return Err(self.expected_not("a comparison of strings", tok));
+        };
+        self.bump();
+        let right = self.text("right side")?;
+        let order = left.cmp(&right);
+        let holds = match mark {
+            b'=' => order.is_eq(),
+            NE => order.is_ne(),
+            b'<' => order.is_lt(),
+            b'>' => order.is_gt(),
+            LE => order.is_le(),
+            _ => order.is_ge(),
+        };
+        Ok(Num::float(f64::from(u8::from(holds))))
+    }
+
     /// A float.
     pub fn float(&mut self, what: &str) -> Parsed<f64> {
-        let start = self.peek().span;
+        let start = self.value_start(what, "a number")?;
         let v = self.expr()?;
         self.as_float(v, start, what)
     }
 
     /// A finite float.
     pub fn finite(&mut self, what: &str) -> Parsed<f64> {
-        let start = self.peek().span;
+        let start = self.value_start(what, "a number")?;
         let v = self.expr()?;
         let v = self.as_float(v, start, what)?;
         if !v.is_finite() {
             return Err(self.error("P0304", start, format!("{what} is not a finite number")));
         }
         Ok(v)
+    }
+
+    /// The place where a value begins; an error that names it if none does.
+    fn value_start(&mut self, what: &str, kind: &str) -> Parsed<Span> {
+        let tok = self.peek();
+        let begins = match tok.t {
+            T::Number(_) | T::Name(_) | T::Mark(b'(' | b'<' | b'+' | b'-' | b'!') => true,
+            T::Word(w) => self.is_value_word(w),
+            _ => false,
+        };
+        if begins {
+            return Ok(tok.span);
+        }
+        Err(self.expected_not(&format!("the {what}, {kind}"), tok))
     }
 
     fn as_float(&mut self, v: Num, span: Span, what: &str) -> Parsed<f64> {
@@ -244,7 +281,7 @@ impl Interp<'_> {
 
     /// A vector of three finite components; a float stands for all three.
     pub fn vec3(&mut self, what: &str) -> Parsed<DVec3> {
-        let start = self.peek().span;
+        let start = self.value_start(what, "a vector")?;
         let v = self.expr()?.xyz();
         if !v.is_finite() {
             return Err(self.error("P0304", start, format!("{what} is not finite")));

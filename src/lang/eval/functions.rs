@@ -83,6 +83,7 @@ impl Interp<'_> {
                     | Inside
                     | MinExtent
                     | MaxExtent
+                    | Vturbulence
             )
     }
 
@@ -202,7 +203,16 @@ impl Interp<'_> {
                     _ => Err(self.error("P0306", span, "`select` needs 3 or 4 arguments")),
                 };
             }
-            Trace | Inside | MinExtent | MaxExtent | Sum | Prod => {
+            Vturbulence => {
+                self.skip_arguments()?;
+                self.warn_once("P0409", span, "`vturbulence` is not supported yet and is taken as 0");
+                return Ok(Num::vec3(glam::DVec3::ZERO));
+            }
+            MinExtent | MaxExtent => {
+                let [min, max] = self.extent(span)?;
+                return Ok(Num::vec3(if w == MinExtent { min } else { max }));
+            }
+            Trace | Inside | Sum | Prod => {
                 let message = format!("`{}` is not supported yet", w.text());
                 return Err(self.error("P0404", span, message));
             }

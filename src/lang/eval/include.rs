@@ -12,6 +12,9 @@ use crate::lang::syntax::{TokenFile, lex};
 use std::path::{Component, Path, PathBuf};
 use std::rc::Rc;
 
+/// Where installations of POV-Ray keep `povray-*/include`.
+const INSTALLED: &[&str] = &["/usr/share", "/usr/local/share", "/opt/homebrew/share"];
+
 /// Bytes of one text; spans are 32 bits wide.
 const MAX_BYTES: usize = u32::MAX as usize;
 
@@ -90,6 +93,11 @@ impl Interp<'_> {
         if extensions.len() > 1 && builtin_text(name).is_some() {
             return Ok(None);
         }
+        if extensions.len() > 1
+            && let Some(path) = self.installed(name)
+        {
+            return Ok(Some(path));
+        }
         let plain = name.replace('\\', "/");
         let plain = plain.trim_end_matches('.');
         for dir in &dirs {
@@ -107,6 +115,20 @@ impl Interp<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// The include of an installed POV-Ray: for standard files that are not built in.
+    fn installed(&self, name: &str) -> Option<PathBuf> {
+        for share in INSTALLED {
+            let share = Path::new(share);
+            for entry in self.files.list(share).into_iter().filter(|e| e.starts_with("povray")) {
+                let path = share.join(entry).join("include").join(name);
+                if self.files.exists(&path) {
+                    return Some(path);
+                }
+            }
+        }
+        None
     }
 
     fn find_ignoring_case(&self, dir: &Path, name: &Path) -> Option<PathBuf> {

@@ -1,7 +1,7 @@
 //! `#while`, `#for`, `#break` and `#end`.
 
 use super::stream::Control;
-use super::{Interp, MAX_LOOP_RUNS, Num, Parsed, Stop, Value};
+use super::{Interp, MAX_LOOP_RUNS, MAX_RUNS, Num, Parsed, Stop, Value};
 use crate::diag::{Diagnostic, Span};
 use crate::lang::syntax::Directive;
 
@@ -34,6 +34,11 @@ impl Interp<'_> {
             let message = format!("loop does not end: its body ran {MAX_LOOP_RUNS} times");
             let d = Diagnostic::error("P0606", message).at(span, "");
             return Err(self.fatal_report(d.hint("does the loop change what its condition tests?")));
+        }
+        self.runs += 1;
+        if self.runs > MAX_RUNS {
+            let span = self.frame().map_or(self.here(), |f| f.file.span(pos));
+            return Err(self.fatal("P0606", span, format!("loops run more than {MAX_RUNS} times in all")));
         }
         Ok(runs + 1)
     }

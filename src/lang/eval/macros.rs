@@ -2,7 +2,7 @@
 
 use super::scope::Place;
 use super::stream::FrameKind;
-use super::{Interp, Macro, Parsed, T, Value};
+use super::{Interp, MAX_CALLS, Macro, Parsed, T, Value};
 use crate::diag::{Diagnostic, Span};
 use crate::lang::syntax::{Directive, Symbol, TokenKind};
 use std::rc::Rc;
@@ -66,6 +66,11 @@ impl Interp<'_> {
     pub fn expand(&mut self, m: Rc<Macro>) {
         let call = self.here();
         let level = self.level();
+        self.calls += 1;
+        if self.calls > MAX_CALLS {
+            self.fatal("P0606", call, format!("macros are called more than {MAX_CALLS} times"));
+            return;
+        }
         if let Some(frame) = self.frame_mut() {
             frame.pos += 1;
         }
@@ -108,8 +113,9 @@ impl Interp<'_> {
                 None => Argument::Value(self.rvalue()?),
             };
             args.push(arg);
-            if !self.eat(b',') && self.peek().t != T::Mark(b')') {
-                return Err(self.expected("`,` or `)`"));
+            self.comma(); // optional, as everywhere
+            if self.peek().t == T::End {
+                break;
             }
         }
         self.expect(b')')?;

@@ -45,6 +45,10 @@ const MAX_NESTING: u32 = 600;
 pub const STACK_BYTES: usize = 256 << 20;
 /// Runs of one loop's body.
 const MAX_LOOP_RUNS: u64 = 5_000_000;
+/// Runs of all loops together.
+const MAX_RUNS: u64 = 20_000_000;
+/// Calls of all macros.
+const MAX_CALLS: u64 = 8_000_000;
 /// Tokens pulled in all.
 const MAX_STEPS: u64 = 4_000_000_000;
 /// Elements of all arrays made.
@@ -52,7 +56,9 @@ const MAX_ARRAY_ITEMS: usize = 1 << 24;
 /// Bytes of one string.
 const MAX_TEXT: usize = 1 << 20;
 /// Objects described; about 1 KiB each.
-const MAX_OBJECTS: usize = 4_000_000;
+const MAX_OBJECTS: usize = 2_000_000;
+/// Unions in unions, mixes in mixes.
+pub const MAX_DEPTH: u32 = 200;
 /// Errors after which reading stops.
 const MAX_ERRORS: usize = 100;
 
@@ -93,9 +99,13 @@ pub struct Interp<'a> {
     failed: bool,
     /// Whether a failed block has just been skipped to its end.
     resumed: bool,
+    /// Whether the failed block ends where the stream stands, its brace being missing.
+    closed_early: bool,
     halted: bool,
     errors: usize,
     steps: u64,
+    runs: u64,
+    calls: u64,
     array_items: usize,
     objects: usize,
     functions_open: u32,
@@ -132,9 +142,12 @@ impl<'a> Interp<'a> {
             muted: 0,
             failed: false,
             resumed: false,
+            closed_early: false,
             halted: false,
             errors: 0,
             steps: 0,
+            runs: 0,
+            calls: 0,
             array_items: 0,
             objects: 0,
             functions_open: 0,

@@ -200,6 +200,11 @@ impl Interp<'_> {
             };
             let t = match token.kind {
                 TokenKind::Number => T::Number(frame.file.numbers.get(token.data as usize).copied().unwrap_or(0.0)),
+                TokenKind::Mark if token.data == u32::from(b'#') => {
+                    self.warn_once("P0206", end.span, "a `#` without a directive is skipped");
+                    self.jump(self.frame().map_or(0, |f| f.pos + 1));
+                    continue;
+                }
                 TokenKind::Mark => T::Mark(token.data as u8),
                 TokenKind::Text => T::Text,
                 TokenKind::Directive => {
@@ -375,10 +380,40 @@ impl Interp<'_> {
             })
         });
         if result.is_err() {
-            self.skip_to_depth(depth.saturating_sub(1));
+            if std::mem::take(&mut self.closed_early) {
+                self.braces.truncate(depth.saturating_sub(1));
+            } else {
+                self.skip_to_depth(depth.saturating_sub(1));
+            }
             self.resumed = true;
         }
         result
+    }
+
+    /// Whether the next token begins a line of its text.
+    fn begins_line(&self) -> bool {
+        let span = self.here();
+        let text = self
+            .sources
+            .get(span.file)
+            .and_then(|f| f.text.get(..span.start as usize));
+        text.is_some_and(|t| t.trim_end_matches([' ', '\t']).ends_with('\n'))
+    }
+
+    /// If a word begins a line that can only stand outside of the block being read, the block's `}` is missing: reports
+    /// that and makes the block end here, so that reading goes on with the word.
+    pub fn missing_brace(&mut self, tok: Tok, outer: &[Word]) -> Option<Stop> {
+        let (T::Word(w), Some(&open)) = (tok.t, self.braces.last()) else {
+            return None;
+        };
+        if !outer.contains(&w) || !self.begins_line() {
+            return None;
+        }
+        let d = Diagnostic::error("P0103", "this `{` is never closed").at(open, "opened here");
+        let d = d.with_context(tok.span, "a `}` is missing before this");
+        self.report(d.hint("add the missing `}`"));
+        self.closed_early = true;
+        Some(Stop)
     }
 
     /// Reports a brace that is never closed and ends the reading: every enclosing one would only repeat it.

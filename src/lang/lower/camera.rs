@@ -76,6 +76,21 @@ impl Interp<'_> {
                 _ => {}
             }
             let before = self.steps();
+            if let Some(stop) = self.missing_brace(
+                tok,
+                &[
+                    Word::LightSource,
+                    Word::Sphere,
+                    Word::Plane,
+                    Word::Box,
+                    Word::Union,
+                    Word::Object,
+                    Word::Background,
+                    Word::GlobalSettings,
+                ],
+            ) {
+                return Err(stop);
+            }
             if self.camera_item(c).is_err() {
                 failed = true;
                 self.recover(
@@ -91,7 +106,7 @@ impl Interp<'_> {
     fn camera_item(&mut self, c: &mut CameraDesc) -> Parsed<()> {
         let tok = self.peek();
         let w = match tok.t {
-            T::Name(_) => {
+            T::Name(n) if self.scopes.get(n).is_some() => {
                 let span = c.span;
                 match self.take_value()? {
                     Value::Desc(Desc::Camera(named)) => *c = (*named).clone(),
@@ -125,7 +140,7 @@ impl Interp<'_> {
                 if self.eat(b',') || matches!(self.peek().t, T::Number(_)) {
                     self.finite("vertical angle")?;
                 }
-                if !(angle > 0.0 && angle < 360.0) {
+                if !(angle > 0.0 && angle <= 360.0) {
                     return Err(self.error(
                         "P0311",
                         at,

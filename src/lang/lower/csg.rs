@@ -3,7 +3,7 @@
 use super::words;
 use crate::diag::Span;
 use crate::lang::desc::{ObjectDesc, ShapeDesc};
-use crate::lang::eval::{Interp, Parsed, Stop, T};
+use crate::lang::eval::{Interp, MAX_DEPTH, Parsed, Stop, T};
 use crate::lang::syntax::Word;
 use std::rc::Rc;
 
@@ -14,7 +14,7 @@ impl Interp<'_> {
         if w == Word::Merge {
             self.warn_once("P0410", span, "`merge` is drawn as a union: its inner surfaces stay");
         }
-        let object = ObjectDesc::new(ShapeDesc::Union(children.into()), span);
+        let object = self.union_of(children, span)?;
         self.finished(object, w.text())
     }
 
@@ -35,7 +35,25 @@ impl Interp<'_> {
         if self.eat_word(Word::GlobalLights) {
             self.flag()?;
         }
-        self.finished(ObjectDesc::new(ShapeDesc::Union(children.into()), span), "light_group")
+        let object = self.union_of(children, span)?;
+        self.finished(object, "light_group")
+    }
+
+    /// A union, unless its nesting gets too deep for those who walk it.
+    fn union_of(&mut self, children: Vec<Rc<ObjectDesc>>, span: Span) -> Parsed<ObjectDesc> {
+        let depth = 1 + children.iter().map(|c| c.depth).max().unwrap_or(0);
+        if depth > MAX_DEPTH {
+            return Err(self.fatal(
+                "P0601",
+                span,
+                format!("unions are nested deeper than {MAX_DEPTH} levels"),
+            ));
+        }
+        let object_leaves = children.iter().fold(0u64, |n, c| n.saturating_add(c.leaves));
+        let mut object = ObjectDesc::new(ShapeDesc::Union(children.into()), span);
+        object.leaves = object_leaves;
+        object.depth = depth;
+        Ok(object)
     }
 
     /// The objects at the front of a block. After an error in one the next is read; the whole is then dropped.

@@ -15,6 +15,12 @@ use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
+/// Objects of one scene, those of unions counted as often as they are placed.
+const MAX_PLACED: u64 = 1 << 32;
+
+/// Lamps of one scene, those of unions counted as often as they are placed.
+const MAX_LIGHTS: usize = 1_000_000;
+
 /// What was converted already, by the address of its description (which is kept alive by the scene's).
 #[derive(Default)]
 pub struct Emitted {
@@ -38,12 +44,19 @@ impl Interp<'_> {
             ..Look::default()
         };
         let objects = std::mem::take(&mut self.scene.objects);
+        let placed = objects.iter().fold(0u64, |n, o| n.saturating_add(o.leaves));
+        if let (true, Some(largest)) = (placed > MAX_PLACED, objects.iter().max_by_key(|o| o.leaves)) {
+            let message = format!("the scene places {placed} objects, at most {MAX_PLACED} are drawn");
+            self.fatal("P0602", largest.span, message);
+            return out;
+        }
         for object in &objects {
             if let Some(o) = self.emit_object(object, DAffine3::IDENTITY, &mut out, &mut done) {
                 out.objects.push(o);
             }
         }
-        if out.objects.iter().any(|o| !has_own_material(o, &out)) {
+        let mut known = vec![None; out.groups.len()];
+        if out.objects.iter().any(|o| !has_own_material(o, &out, &mut known)) {
             out.default_material = self.emit_look(&default, &mut out, &mut done.materials);
             self.warn_black_default(&objects);
         }
@@ -168,7 +181,7 @@ impl Interp<'_> {
         out: &mut Scene,
         done: &mut Emitted,
     ) -> Option<GroupId> {
-        let key = Rc::as_ptr(children).cast::<()>();
+        let key = children.as_ptr().cast::<()>();
         let known = done.groups.get(&key).copied();
         if let Some((id, has_lamps)) = known {
             if has_lamps {
@@ -190,7 +203,14 @@ impl Interp<'_> {
 
     /// The lamps of a group that is placed again.
     fn emit_lamps(&mut self, children: &[Rc<ObjectDesc>], to_world: DAffine3, out: &mut Scene, done: &mut Emitted) {
+        let key = children.as_ptr().cast::<()>();
+        if matches!(done.groups.get(&key), Some((_, false))) {
+            return;
+        }
         for child in children {
+            if self.is_halted() {
+                return;
+            }
             let t = to_world * child.transform;
             match &child.shape {
                 ShapeDesc::Light(light) => self.emit_light(light, t, out),
@@ -205,6 +225,10 @@ impl Interp<'_> {
     }
 
     fn emit_light(&mut self, l: &LightDesc, to_world: DAffine3, out: &mut Scene) {
+        if out.lights.len() >= MAX_LIGHTS {
+            self.fatal("P0602", l.span, format!("more than {MAX_LIGHTS} lamps"));
+            return;
+        }
         let color = self.linear(l.color);
         if color.min_element() < 0.0 {
             self.warn_once(
@@ -358,16 +382,23 @@ fn is_primitive(shape: &ShapeDesc) -> bool {
     matches!(shape, ShapeDesc::Primitive(_) | ShapeDesc::Mesh(_))
 }
 
-/// Whether every surface of an object has a material of its own.
-fn has_own_material(object: &Object, scene: &Scene) -> bool {
+/// Whether every surface of an object has a material of its own. `known` remembers groups: one may be placed often.
+fn has_own_material(object: &Object, scene: &Scene, known: &mut [Option<bool>]) -> bool {
     if object.material.is_some() {
         return true;
     }
     match object.shape {
-        Shape::Group(g) => match scene.groups.get(g.index()) {
-            Some(group) => group.objects.iter().all(|o| has_own_material(o, scene)),
-            None => true,
-        },
+        Shape::Group(g) => {
+            if let Some(Some(k)) = known.get(g.index()) {
+                return *k;
+            }
+            let objects = scene.groups.get(g.index()).map_or(&[][..], |g| &g.objects);
+            let all = objects.iter().all(|o| has_own_material(o, scene, known));
+            if let Some(k) = known.get_mut(g.index()) {
+                *k = Some(all);
+            }
+            all
+        }
         Shape::Mesh(m) => scene.meshes.get(m.index()).is_some_and(|m| {
             !m.materials.is_empty() && (0..m.triangles.len()).all(|f| m.slot_material(m.slot(f)).is_some())
         }),

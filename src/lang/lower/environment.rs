@@ -47,7 +47,7 @@ impl Interp<'_> {
                         s.bump();
                         s.color()?;
                     }
-                    T::Name(_) => match s.take_value()? {
+                    T::Name(n) if s.scopes.get(n).is_some() => match s.take_value()? {
                         Value::Desc(Desc::Sky(named)) => sky = (*named).clone(),
                         Value::Poison => return Err(Stop),
                         other => {

@@ -45,7 +45,7 @@ impl Interp<'_> {
                         s.bump();
                         continue;
                     }
-                    T::Name(_) => {
+                    T::Name(n) if s.scopes.get(n).is_some() => {
                         match s.take_value()? {
                             Value::Desc(Desc::Finish(named)) => f = (*named).clone(),
                             Value::Poison => return Err(Stop),

@@ -37,7 +37,7 @@ impl Interp<'_> {
                         s.bump();
                         continue;
                     }
-                    T::Name(_) => {
+                    T::Name(n) if s.scopes.get(n).is_some() => {
                         match s.take_value()? {
                             Value::Desc(Desc::Interior(named)) => i = (*named).clone(),
                             Value::Poison => return Err(Stop),

@@ -33,6 +33,7 @@ impl Interp<'_> {
                 Err(stop)
             }
             T::Word(w) => self.word_item(w, tok),
+            T::Name(_) if self.eat_word_text("default") => self.default_block(), // as `#default`, in old scenes
             T::Name(name) => match self.scopes.get(name) {
                 Some(Value::Desc(Desc::Object(_))) => {
                     let d = crate::diag::Diagnostic::error("P0204", "an object's name alone draws nothing");

@@ -2,7 +2,7 @@
 
 use crate::diag::{Diagnostic, Span};
 use crate::lang::desc::{Desc, Look, ModelSurface, Pigment, PrincipledDesc, SurfaceDesc};
-use crate::lang::eval::{Interp, Parsed, Stop, T, Value};
+use crate::lang::eval::{Interp, MAX_DEPTH, Parsed, Stop, T, Value};
 use crate::lang::syntax::Word;
 use crate::scene::Principled;
 use glam::DVec3;
@@ -56,7 +56,7 @@ impl Interp<'_> {
                     self.bump();
                     emission = Some((self.color_source()?, tok.span));
                 }
-                T::Name(_) => match self.take_value()? {
+                T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                     Value::Desc(Desc::Material(named)) => look = named,
                     Value::Desc(Desc::Texture(layers)) => look.layers = Some(layers),
                     Value::Desc(Desc::Interior(i)) => look.interior = Some(i),
@@ -96,7 +96,16 @@ impl Interp<'_> {
         match (model, emission) {
             (Some((model, span)), emission) => {
                 look.layers = None;
+                let depth = match &model {
+                    ModelSurface::Mix { a, b, .. } => 1 + mix_depth(a).max(mix_depth(b)),
+                    _ => 0,
+                };
+                if depth > MAX_DEPTH {
+                    let message = format!("mixes are nested deeper than {MAX_DEPTH} levels");
+                    return Err(self.fatal("P0601", span, message));
+                }
                 look.surface = Some(Rc::new(SurfaceDesc {
+                    depth,
                     model,
                     emission: emission.map(|e| e.0),
                     span,
@@ -112,6 +121,7 @@ impl Interp<'_> {
                     return Err(self.report(d.hint("write it inside the texture's `finish { … }`")));
                 } else {
                     look.surface = Some(Rc::new(SurfaceDesc {
+                        depth: 0,
                         model: ModelSurface::Black,
                         emission: Some(color),
                         span,
@@ -286,7 +296,7 @@ impl Interp<'_> {
         let tok = self.peek();
         match tok.t {
             T::Word(Word::Material) => self.material(),
-            T::Name(_) => match self.take_value()? {
+            T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                 Value::Desc(Desc::Material(look)) => Ok(look),
                 Value::Desc(Desc::Texture(layers)) => Ok(Look {
                     layers: Some(layers),
@@ -306,6 +316,10 @@ impl Interp<'_> {
             _ => Err(self.expected_not("a material", tok)),
         }
     }
+}
+
+fn mix_depth(look: &Look) -> u32 {
+    look.surface.as_ref().map_or(0, |s| s.depth)
 }
 
 /// What the block of a surface has said.

@@ -5,6 +5,7 @@ mod csg;
 mod emit;
 mod emit_material;
 mod environment;
+mod extent;
 mod finish;
 mod interior;
 mod item;
@@ -22,3 +23,8 @@ mod skip;
 mod texture;
 mod transform;
 mod words;
+
+/// Whether a word begins something at the top level of a scene.
+pub fn is_item_word(w: crate::lang::syntax::Word) -> bool {
+    words::ITEMS.contains(&w)
+}

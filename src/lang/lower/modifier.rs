@@ -6,6 +6,9 @@ use crate::lang::syntax::Word;
 use glam::DAffine3;
 use std::rc::Rc;
 
+/// Layers of one texture.
+const MAX_LAYERS: usize = 200;
+
 impl Interp<'_> {
     /// Reads one modifier; false if the token begins none.
     pub fn modifier(&mut self, object: &mut ObjectDesc, tok: Tok) -> Parsed<bool> {
@@ -23,6 +26,10 @@ impl Interp<'_> {
         match w {
             Word::Texture => {
                 let new = self.texture()?;
+                if object.look.layers.as_ref().map_or(0, |l| l.len()) + new.len() > MAX_LAYERS {
+                    let message = format!("texture has more than {MAX_LAYERS} layers");
+                    return Err(self.error("P0605", tok.span, message));
+                }
                 add_layers(&mut object.look, &new);
             }
             Word::Pigment => {
@@ -67,7 +74,7 @@ impl Interp<'_> {
                 self.bump();
                 self.flag()?;
             }
-            Word::CutawayTextures | Word::SplitUnion => {
+            Word::CutawayTextures | Word::SplitUnion | Word::NoRadiosity => {
                 self.bump();
                 self.flag()?;
             }

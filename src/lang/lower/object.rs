@@ -46,6 +46,11 @@ impl Interp<'_> {
                 _ => {}
             }
             let before = self.steps();
+            if !matches!(tok.t, T::Word(w) if words::MODIFIERS.contains(&w))
+                && let Some(stop) = self.missing_brace(tok, words::ITEMS)
+            {
+                return Err(stop);
+            }
             let done = match self.modifier(&mut object, tok) {
                 Ok(true) => Ok(()),
                 Ok(false) => Err(self.unexpected(&format!("`{place}`"), &words::texts(words::MODIFIERS), tok)),

@@ -45,6 +45,10 @@ pub fn is_pattern(w: Word) -> bool {
             | Spiral1
             | Spiral2
             | Spotted
+            | Square
+            | Tiling
+            | Pavement
+            | Triangular
             | Toroidal
             | Waves
             | Wood
@@ -60,8 +64,9 @@ impl Interp<'_> {
         self.bump();
         match w {
             Gradient | Slope => self.skip_arguments(),
-            Agate | Checker | Brick | Hexagon | Bozo | Granite | Wood | Marble => Ok(()),
-            Julia | Magnet | Mandel | Spiral1 | Spiral2 | DensityFile | Quilted | Crackle | Facets => {
+            Agate | Checker | Brick | Hexagon | Square | Triangular | Bozo | Granite | Wood | Marble => Ok(()),
+            Julia | Magnet | Mandel | Spiral1 | Spiral2 | DensityFile | Quilted | Crackle | Facets | Tiling
+            | Pavement => {
                 // Magnet 1 mandel 2, spiral1 5, density_file df3 "name": words, numbers and strings.
                 loop {
                     match self.peek().t {
@@ -106,8 +111,9 @@ impl Interp<'_> {
             Turbulence | Octaves | Omega | Lambda | Frequency | Phase | Warp | UvMapping | Interpolate | MapType
             | Once | RampWave | TriangleWave | SineWave | ScallopWave | CubicWave | PolyWave | BumpSize
             | NoBumpScale | Accuracy | Mortar | BrickSize | AgateTurb | Solid | Metric | Offset | Form | Control0
-            | Control1 | NoiseGenerator | Exponent | Exterior | UseIndex | UseColor | UseAlpha | Coords | Size
-            | NumberOfWaves | SlopeMap | NormalMap | QuickColor | Type | DensityMap | Sturm | Filter | Transmit => {
+            | Control1 | NoiseGenerator | Interior | Exponent | Exterior | UseIndex | UseColor | UseAlpha | Coords
+            | Size | NumberOfWaves | SlopeMap | NormalMap | QuickColor | Type | DensityMap | Sturm | Filter
+            | Transmit => {
                 self.bump();
                 if w == QuickColor {
                     self.color()?;

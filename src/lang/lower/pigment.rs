@@ -80,7 +80,7 @@ impl Interp<'_> {
                         return Err(stop);
                     }
                 }
-                T::Name(_) => match self.take_value()? {
+                T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                     Value::Desc(Desc::Pigment(p)) => base = p,
                     Value::Desc(Desc::Map(p)) => map = Some(p),
                     Value::Num(v) => colors.push(v.five()),
@@ -127,7 +127,13 @@ impl Interp<'_> {
                 };
             }
             while s.eat(b'[') {
-                let at = s.float("place in the map")?;
+                // `average` maps may leave the weight out.
+                let numbered = matches!(s.peek().t, T::Number(_) | T::Mark(b'-' | b'(')) || !of_pigments;
+                let at = if numbered || (s.starts_expr() && !s.starts_color()) {
+                    s.float("place in the map")?
+                } else {
+                    entries.len() as f64
+                };
                 s.comma();
                 if of_pigments {
                     let here = s.peek().span;

@@ -67,7 +67,7 @@ impl Interp<'_> {
                         return Err(stop);
                     }
                 }
-                T::Name(_) => match self.take_value()? {
+                T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                     Value::Desc(Desc::Texture(named)) => {
                         layers = named.to_vec();
                         if let Some(top) = layers.pop() {
@@ -117,8 +117,10 @@ impl Interp<'_> {
         self.block(|s| {
             let mut first = None;
             while s.eat(b'[') {
-                s.float("place in the map")?;
-                s.comma();
+                if s.starts_expr() {
+                    s.float("place in the map")?; // `average` maps may leave the weight out
+                    s.comma();
+                }
                 let at = s.peek().span;
                 let layers = s.nested(at, |s| s.texture_items(b']'))?;
                 first.get_or_insert(layers);

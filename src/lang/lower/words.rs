@@ -114,6 +114,7 @@ pub const MODIFIERS: &[Word] = &[
     Word::Radiosity,
     Word::CutawayTextures,
     Word::SplitUnion,
+    Word::NoRadiosity,
 ];
 
 /// Spellings of the words that begin an item.

@@ -134,5 +134,5 @@ words! {
     Principled "principled" Render "render" Resolution "resolution" Scene "scene" SheenColor "sheen_color"
     SheenRoughness "sheen_roughness" Sigma "sigma" SpecularColor "specular_color" Spp "spp" Thick "thick"
     Time "time" Translucent "translucent" Transmission "transmission" Variant "variant" Weight "weight"
-    Bezier "bezier" Premultiplied "premultiplied";
+    NoRadiosity "no_radiosity" Pavement "pavement" Square "square" Tiling "tiling" Triangular "triangular";
 }

@@ -1,0 +1,3 @@
+#version 3.7;
+render { resolution <640, 320> }
+camera { location 0 }
