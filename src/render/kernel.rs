@@ -149,6 +149,8 @@ impl<'a> Kernel<'a> {
         let mut passes = 0u32;
         loop {
             stats.rays += 1;
+            // Drawn before the ray is traced: they depend on nothing and fill the time the chain of roots leaves.
+            let first_scatter = sampler.get4(bounce, Group::Primary);
             let Some(hit) = scene.geometry.closest(&ray) else {
                 out.radiance += throughput * self.escaped(&ray, &from, bounce);
                 return out;
@@ -214,7 +216,7 @@ impl<'a> Kernel<'a> {
             }
 
             let (scatter, light) = if passes == 0 {
-                (sampler.get4(bounce, Group::Primary), None)
+                (first_scatter, None)
             } else {
                 (
                     sampler.repeated4(bounce, Group::Primary, passes),

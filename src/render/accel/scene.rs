@@ -200,7 +200,13 @@ impl SceneTree {
         if self.instructions == Instructions::Avx2 {
             // SAFETY: `instructions` is Avx2 only where detection found it.
             #[allow(unsafe_code)]
-            return unsafe { self.trace_avx2::<ANY>(ray) };
+            return unsafe {
+                if self.planes.is_empty() && self.nodes.is_empty() {
+                    self.trace_spheres_avx2(ray)
+                } else {
+                    self.trace_avx2::<ANY>(ray)
+                }
+            };
         }
         self.trace::<ANY, Baseline>(ray)
     }
@@ -210,6 +216,15 @@ impl SceneTree {
     #[target_feature(enable = "avx2,bmi1")]
     fn trace_avx2<const ANY: bool>(&self, ray: &Ray) -> Candidates {
         self.trace::<ANY, super::simd::Avx2>(ray)
+    }
+
+    /// Scenes of a few spheres alone: no stack of nodes to set up.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,bmi1")]
+    fn trace_spheres_avx2(&self, ray: &Ray) -> Candidates {
+        let mut found = Candidates::new(ray);
+        self.spheres.intersect(ray, &mut found);
+        found
     }
 
     #[inline(always)]

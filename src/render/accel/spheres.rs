@@ -84,12 +84,19 @@ impl SphereList {
                 object[i] = if better { block.object[i] } else { object[i] };
             }
         }
-        for i in 0..LANES {
-            if object[i] >= 0.0 {
-                found.object = object[i] as u32;
-                found.to = u32::MAX;
-                found.offer_rounded(nearest[i] as f32, 0, Vec2::ZERO);
-            }
+        // The best lane, without branches: the nearest, of equals the lowest object.
+        let (mut best, mut which) = (nearest[0], object[0]);
+        for i in 1..LANES {
+            let (t, o) = (nearest[i], object[i]);
+            let met = o >= 0.0;
+            let take = met & ((t < best) | (which < 0.0) | ((t == best) & (o < which)));
+            best = if take { t } else { best };
+            which = if take { o } else { which };
+        }
+        if which >= 0.0 {
+            found.object = which as u32;
+            found.to = u32::MAX;
+            found.offer_rounded(best as f32, 0, Vec2::ZERO);
         }
     }
 }
