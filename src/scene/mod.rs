@@ -7,6 +7,7 @@
 
 mod camera;
 mod dump;
+mod dump_material;
 mod image;
 mod light;
 mod material;

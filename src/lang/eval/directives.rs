@@ -293,5 +293,5 @@ impl Interp<'_> {
 }
 
 fn is_item(symbol: u32) -> bool {
-    Interner::word(Symbol(symbol)).is_some_and(|w| crate::lang::lower::is_item_word(w))
+    Interner::word(Symbol(symbol)).is_some_and(crate::lang::lower::is_item_word)
 }

@@ -6,6 +6,7 @@
 
 mod access;
 mod arrays;
+mod blocks;
 mod colors;
 mod declare;
 mod directives;
@@ -20,7 +21,9 @@ mod run;
 mod scope;
 mod stream;
 mod strings;
+mod user_functions;
 mod value;
+mod vector_functions;
 
 pub use errors::{Parsed, Stop};
 pub use stream::{T, Tok};

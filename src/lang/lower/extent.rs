@@ -63,7 +63,7 @@ fn bounds(o: &ObjectDesc, known: &mut HashMap<*const (), Bounds>) -> Bounds {
         ShapeDesc::Light(l) => [l.position, l.position],
         ShapeDesc::Model(_) | ShapeDesc::Unsupported(_) => return None,
     };
-    if !(min.x <= max.x) {
+    if min.x > max.x || min.x.is_nan() {
         return Some([DVec3::ZERO, DVec3::ZERO]);
     }
     Some(moved([min, max], &o.transform))

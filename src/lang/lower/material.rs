@@ -1,11 +1,9 @@
 //! `material { … }`: the language's own materials, or POV-Ray's texture and interior.
 
 use crate::diag::{Diagnostic, Span};
-use crate::lang::desc::{Desc, Look, ModelSurface, Pigment, PrincipledDesc, SurfaceDesc};
+use crate::lang::desc::{Desc, Look, ModelSurface, Pigment, SurfaceDesc};
 use crate::lang::eval::{Interp, MAX_DEPTH, Parsed, Stop, T, Value};
 use crate::lang::syntax::Word;
-use crate::scene::Principled;
-use glam::DVec3;
 use std::rc::Rc;
 
 const MATERIAL_TEXTS: &[&str] = &[
@@ -71,7 +69,7 @@ impl Interp<'_> {
                         let _ = t; // plain colours do not move
                         continue;
                     }
-                    let Some(found) = self.surface_model(w, tok.span)? else {
+                    let Some(found) = self.surface_model(w)? else {
                         return Err(self.unexpected("`material`", MATERIAL_TEXTS, tok));
                     };
                     if let Some((_, first)) = model {
@@ -133,157 +131,8 @@ impl Interp<'_> {
         Ok(look)
     }
 
-    /// One of the language's own surfaces, whose word comes next; `None` if it is none.
-    fn surface_model(&mut self, w: Word, span: Span) -> Parsed<Option<ModelSurface>> {
-        let known = [
-            Word::Diffuse,
-            Word::Specular,
-            Word::Glass,
-            Word::Glossy,
-            Word::Translucent,
-            Word::Principled,
-            Word::Mix,
-        ];
-        if !known.contains(&w) {
-            return Ok(None);
-        }
-        self.bump();
-        if w == Word::Mix {
-            return self.block(|s| s.mix()).map(Some);
-        }
-        let mut items = Items::new(w, span);
-        self.block(|s| s.surface_items(&mut items))?;
-        let white = || Rc::new(Pigment::plain([1.0, 1.0, 1.0, 0.0, 0.0]));
-        let color = items.color.clone().unwrap_or_else(white);
-        let roughness = items.numbers.roughness.factor;
-        Ok(Some(match w {
-            Word::Diffuse => ModelSurface::Diffuse {
-                color,
-                sigma: items.roughness.unwrap_or(0.0),
-            },
-            Word::Specular => ModelSurface::Specular { color },
-            Word::Glass => ModelSurface::Glass {
-                color,
-                ior: items.numbers.ior,
-                roughness: items.roughness.unwrap_or(0.0),
-                abbe: items.abbe,
-                absorption: items.absorption,
-            },
-            Word::Glossy => ModelSurface::Glossy {
-                color,
-                roughness,
-                ior: items.numbers.ior,
-                metal: items.metal,
-            },
-            Word::Translucent => ModelSurface::Translucent {
-                color,
-                transmit: items.transmit,
-            },
-            _ => {
-                let [specular, sheen, transmission] = items.more_colors;
-                let black = Rc::new(Pigment::plain([0.0; 5]));
-                ModelSurface::Principled(Box::new(PrincipledDesc {
-                    base_color: color,
-                    specular_color: specular.unwrap_or_else(white),
-                    sheen_color: sheen.unwrap_or(black),
-                    diffuse_transmission_color: transmission.unwrap_or_else(white),
-                    numbers: items.numbers,
-                    absorption: items.absorption,
-                }))
-            }
-        }))
-    }
-
-    fn surface_items(&mut self, items: &mut Items) -> Parsed<()> {
-        let valid = valid_words(items.word);
-        let texts = super::words::texts(valid);
-        loop {
-            let tok = self.peek_item();
-            let w = match tok.t {
-                T::Mark(b'}') | T::End => return Ok(()),
-                T::Mark(b',') => {
-                    self.bump();
-                    continue;
-                }
-                T::Word(w) if valid.contains(&w) => w,
-                _ => return Err(self.unexpected(&format!("`{}`", items.word.text()), &texts, tok)),
-            };
-            self.bump();
-            let n = &mut items.numbers;
-            match w {
-                Word::Color | Word::BaseColor => items.color = Some(self.color_source()?),
-                Word::SpecularColor => items.more_colors[0] = Some(self.color_source()?),
-                Word::SheenColor => items.more_colors[1] = Some(self.color_source()?),
-                Word::DiffuseTransmissionColor => items.more_colors[2] = Some(self.color_source()?),
-                Word::Roughness | Word::Sigma => {
-                    let most = if items.word == Word::Diffuse {
-                        std::f64::consts::FRAC_PI_2
-                    } else {
-                        1.0
-                    };
-                    let r = self.within("roughness", 0.0, most)?;
-                    items.roughness = Some(r);
-                    n.roughness = r.into();
-                }
-                Word::Ior => n.ior = self.within("ior", f64::MIN_POSITIVE, f64::MAX)?,
-                Word::Abbe | Word::Dispersion if items.word == Word::Principled => {
-                    n.dispersion = self.within("dispersion", 0.0, 1e3)?
-                }
-                Word::Abbe | Word::Dispersion => items.abbe = Some(self.within("Abbe number", 1.0, f64::MAX)?),
-                Word::Absorption => items.absorption = self.absorption()?,
-                Word::Metal => items.metal = self.flag()?,
-                Word::Transmit => items.transmit = self.within("transmit", 0.0, 1.0)?,
-                Word::Metallic => n.metallic = self.within("metallic", 0.0, 1.0)?.into(),
-                Word::Specular => n.specular = self.within("specular", 0.0, 1.0)?.into(),
-                Word::Transmission => n.transmission = self.within("transmission", 0.0, 1.0)?.into(),
-                Word::Thick => n.thick = self.flag()?,
-                Word::Clearcoat => n.clearcoat = self.within("clearcoat", 0.0, 1.0)?.into(),
-                Word::ClearcoatRoughness => {
-                    n.clearcoat_roughness = self.within("clearcoat_roughness", 0.0, 1.0)?.into()
-                }
-                Word::SheenRoughness => n.sheen_roughness = self.within("sheen_roughness", 0.0, 1.0)?.into(),
-                Word::Anisotropy => n.anisotropy = self.within("anisotropy", 0.0, 1.0)?.into(),
-                Word::AnisotropyRotation => n.anisotropy_rotation = self.finite("anisotropy_rotation")?.to_radians(),
-                Word::DiffuseTransmission => {
-                    n.diffuse_transmission = self.within("diffuse_transmission", 0.0, 1.0)?.into()
-                }
-                _ => {}
-            }
-        }
-    }
-
-    /// A number in a range; outside is an error, not a clamp.
-    pub fn within(&mut self, what: &str, min: f64, max: f64) -> Parsed<f64> {
-        let at = self.peek().span;
-        let v = self.finite(what)?;
-        if !(min..=max).contains(&v) {
-            let range = match (min, max) {
-                (_, f64::MAX) if min == f64::MIN_POSITIVE => "positive".to_owned(),
-                (_, f64::MAX) => format!("at least {min}"),
-                _ => format!("between {min} and {max}"),
-            };
-            return Err(self.error("P0311", at, format!("{what} must be {range}, found {v}")));
-        }
-        Ok(v)
-    }
-
-    /// A colour, or `pigment { … }`.
-    pub fn color_source(&mut self) -> Parsed<Rc<Pigment>> {
-        let tok = self.peek();
-        if tok.t == T::Word(Word::Pigment) {
-            return self.pigment();
-        }
-        if let T::Name(name) = tok.t
-            && let Some(Value::Desc(Desc::Pigment(p))) = self.scopes.get(name).cloned()
-        {
-            self.bump();
-            return Ok(p);
-        }
-        Ok(Rc::new(Pigment::plain(self.color()?)))
-    }
-
     /// `A, B, weight` of `mix`.
-    fn mix(&mut self) -> Parsed<ModelSurface> {
+    pub(super) fn mix(&mut self) -> Parsed<ModelSurface> {
         let a = self.mixed_material()?;
         self.comma();
         let b = self.mixed_material()?;
@@ -309,7 +158,7 @@ impl Interp<'_> {
                     format!("expected a material, found {}", other.kind()),
                 )),
             },
-            T::Word(w) => match self.nested(tok.span, |s| s.surface_model(w, tok.span))? {
+            T::Word(w) => match self.nested(tok.span, |s| s.surface_model(w))? {
                 Some(model) => self.assemble(Look::default(), Some((model, tok.span)), None),
                 None => Err(self.expected_not("a material", tok)),
             },
@@ -320,73 +169,4 @@ impl Interp<'_> {
 
 fn mix_depth(look: &Look) -> u32 {
     look.surface.as_ref().map_or(0, |s| s.depth)
-}
-
-/// What the block of a surface has said.
-struct Items {
-    word: Word,
-    color: Option<Rc<Pigment>>,
-    /// Specular, sheen and diffuse transmission colours.
-    more_colors: [Option<Rc<Pigment>>; 3],
-    roughness: Option<f64>,
-    abbe: Option<f64>,
-    absorption: DVec3,
-    metal: bool,
-    transmit: f64,
-    numbers: Principled,
-}
-
-impl Items {
-    fn new(word: Word, _span: Span) -> Items {
-        Items {
-            word,
-            color: None,
-            more_colors: [None, None, None],
-            roughness: None,
-            abbe: None,
-            absorption: DVec3::ZERO,
-            metal: false,
-            transmit: 0.5,
-            numbers: Principled::default(),
-        }
-    }
-}
-
-/// Words of each surface.
-fn valid_words(w: Word) -> &'static [Word] {
-    match w {
-        Word::Diffuse => &[Word::Color, Word::Roughness, Word::Sigma],
-        Word::Specular => &[Word::Color],
-        Word::Glass => &[
-            Word::Color,
-            Word::Ior,
-            Word::Roughness,
-            Word::Absorption,
-            Word::Dispersion,
-            Word::Abbe,
-        ],
-        Word::Glossy => &[Word::Color, Word::Roughness, Word::Ior, Word::Metal],
-        Word::Translucent => &[Word::Color, Word::Transmit],
-        _ => &[
-            Word::BaseColor,
-            Word::Color,
-            Word::Metallic,
-            Word::Roughness,
-            Word::Ior,
-            Word::Specular,
-            Word::SpecularColor,
-            Word::Transmission,
-            Word::Thick,
-            Word::Clearcoat,
-            Word::ClearcoatRoughness,
-            Word::SheenColor,
-            Word::SheenRoughness,
-            Word::Anisotropy,
-            Word::AnisotropyRotation,
-            Word::DiffuseTransmission,
-            Word::DiffuseTransmissionColor,
-            Word::Dispersion,
-            Word::Absorption,
-        ],
-    }
 }

@@ -3,6 +3,7 @@
 mod camera;
 mod csg;
 mod emit;
+mod emit_light;
 mod emit_material;
 mod environment;
 mod extent;
@@ -20,6 +21,7 @@ mod pigment;
 mod settings;
 mod shapes;
 mod skip;
+mod surface;
 mod texture;
 mod transform;
 mod words;

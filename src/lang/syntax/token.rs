@@ -55,11 +55,6 @@ impl Interner {
     pub fn word(symbol: Symbol) -> Option<Word> {
         ALL.get(symbol.0 as usize).map(|w| w.0)
     }
-
-    /// How many symbols there are.
-    pub fn len(&self) -> usize {
-        self.names.len()
-    }
 }
 
 /// What a token is; [`Token::data`] says more.

@@ -1,0 +1,180 @@
+//! How surfaces and insides are described: POV-Ray's textures and the language's own materials.
+
+use crate::diag::Span;
+use crate::scene::FinishReflection;
+use glam::DVec3;
+use std::rc::Rc;
+
+/// Texture layers from the bottom up.
+pub type Layers = Rc<[Rc<Layer>]>;
+
+/// How a surface and its inside look.
+#[derive(Clone, Debug, Default)]
+pub struct Look {
+    /// POV-Ray's texture, if there is one.
+    pub layers: Option<Layers>,
+    /// One of the language's own materials, which then counts instead.
+    pub surface: Option<Rc<SurfaceDesc>>,
+    /// What fills the inside.
+    pub interior: Option<Rc<InteriorDesc>>,
+}
+
+impl Look {
+    /// Whether it says nothing about the surface.
+    pub fn is_bare(&self) -> bool {
+        self.layers.is_none() && self.surface.is_none()
+    }
+}
+
+/// One layer of a texture.
+#[derive(Clone, Debug)]
+pub struct Layer {
+    /// Colour.
+    pub pigment: Rc<Pigment>,
+    /// Light response.
+    pub finish: Rc<FinishDesc>,
+    /// Where a normal is perturbed, if it is.
+    pub normal: Option<Span>,
+    /// Where it was written, unless it is the default.
+    pub span: Option<Span>,
+}
+
+/// A colour, or the average colour of a pattern.
+#[derive(Clone, Debug)]
+pub struct Pigment {
+    /// Red, green, blue, filter, transmit, in the scene's working gamma.
+    pub color: [f64; 5],
+    /// The pattern it stands for, with its place.
+    pub pattern: Option<(&'static str, Span)>,
+}
+
+impl Pigment {
+    /// A plain colour.
+    pub fn plain(color: [f64; 5]) -> Pigment {
+        Pigment { color, pattern: None }
+    }
+}
+
+/// POV-Ray's finish as written.
+#[derive(Clone, Debug)]
+pub struct FinishDesc {
+    /// `ambient`.
+    pub ambient: DVec3,
+    /// `emission`.
+    pub emission: DVec3,
+    /// `diffuse`, front and back.
+    pub diffuse: [f64; 2],
+    /// `brilliance`.
+    pub brilliance: f64,
+    /// `phong`.
+    pub phong: f64,
+    /// `phong_size`.
+    pub phong_size: f64,
+    /// `specular`.
+    pub specular: f64,
+    /// `roughness`.
+    pub roughness: f64,
+    /// `metallic`.
+    pub metallic: f64,
+    /// `reflection`.
+    pub reflection: Option<FinishReflection>,
+    /// `conserve_energy`.
+    pub conserve_energy: bool,
+}
+
+impl Default for FinishDesc {
+    fn default() -> FinishDesc {
+        FinishDesc {
+            ambient: DVec3::splat(0.1),
+            emission: DVec3::ZERO,
+            diffuse: [0.6, 0.0],
+            brilliance: 1.0,
+            phong: 0.0,
+            phong_size: 40.0,
+            specular: 0.0,
+            roughness: 0.05,
+            metallic: 0.0,
+            reflection: None,
+            conserve_energy: false,
+        }
+    }
+}
+
+/// POV-Ray's interior as written.
+#[derive(Clone, Debug, Default)]
+pub struct InteriorDesc {
+    /// `ior`, if written.
+    pub ior: Option<f64>,
+    /// `fade_distance`, if written.
+    pub fade_distance: Option<f64>,
+    /// `fade_power`, if written.
+    pub fade_power: Option<f64>,
+    /// `fade_color`.
+    pub fade_color: DVec3,
+    /// Absorption per unit length.
+    pub absorption: DVec3,
+    /// Where a medium that is not drawn yet stands.
+    pub media: Option<Span>,
+}
+
+/// One of the language's own materials.
+#[derive(Clone, Debug)]
+pub struct SurfaceDesc {
+    /// Which one.
+    pub model: ModelSurface,
+    /// `emission`, in the scene's working gamma.
+    pub emission: Option<Rc<Pigment>>,
+    /// How deep mixes are nested in it.
+    pub depth: u32,
+    /// Where it was written.
+    pub span: Span,
+}
+
+/// The materials that POV-Ray lacks. Colours are in the scene's working gamma.
+#[derive(Clone, Debug)]
+pub enum ModelSurface {
+    /// Lambert or Oren–Nayar.
+    Diffuse { color: Rc<Pigment>, sigma: f64 },
+    /// Mirror.
+    Specular { color: Rc<Pigment> },
+    /// Dielectric solid.
+    Glass {
+        color: Rc<Pigment>,
+        ior: f64,
+        roughness: f64,
+        abbe: Option<f64>,
+        absorption: DVec3,
+    },
+    /// Coated or metallic.
+    Glossy {
+        color: Rc<Pigment>,
+        roughness: f64,
+        ior: f64,
+        metal: bool,
+    },
+    /// Thin sheet.
+    Translucent { color: Rc<Pigment>, transmit: f64 },
+    /// The glTF set.
+    Principled(Box<PrincipledDesc>),
+    /// (1 − weight)·a + weight·b.
+    Mix { a: Look, b: Look, weight: f64 },
+    /// Only emission.
+    Black,
+}
+
+/// `principled { … }`: colours here, the rest as in the IR.
+#[derive(Clone, Debug)]
+pub struct PrincipledDesc {
+    /// `base_color`.
+    pub base_color: Rc<Pigment>,
+    /// `specular_color`.
+    pub specular_color: Rc<Pigment>,
+    /// `sheen_color`.
+    pub sheen_color: Rc<Pigment>,
+    /// `diffuse_transmission_color`.
+    pub diffuse_transmission_color: Rc<Pigment>,
+    /// The numbers; its colours are not used.
+    pub numbers: crate::scene::Principled,
+    /// `absorption`.
+    pub absorption: DVec3,
+}
