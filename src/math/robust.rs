@@ -56,23 +56,14 @@ pub fn try_normalize_f64(v: DVec3) -> Option<DVec3> {
 /// Moves a surface point off the surface, to the side `w` points to, by at least its own error bound.
 ///
 /// `p` is the computed point, `p_error` bounds |p − exact| per axis, `ng` is the unit geometric normal.
-/// The result lies on the side of `w` of every plane with normal `ng` through a point within the bound.
-/// Source: PBRT-4 §6.8.6.
+/// The result lies on the side of `w` of every plane with normal `ng` through a point within the bound, the rounding of
+/// the step itself included: it is at most u·(|p| + d) per axis.
+/// Source: PBRT-4 §6.8.6, with the last rounding inside the bound instead of a step to the next number.
+#[inline(always)]
 pub fn offset_origin(p: Vec3, p_error: Vec3, ng: Vec3, w: Vec3) -> Vec3 {
-    let d = ng.abs().dot(p_error) * (1.0 + gamma(4));
-    let offset = if w.dot(ng) < 0.0 { -ng * d } else { ng * d };
-    let q = p + offset;
-    // Rounding of the addition could undo the step: go one number further away.
-    let away = |q: f32, o: f32| {
-        if o > 0.0 {
-            q.next_up()
-        } else if o < 0.0 {
-            q.next_down()
-        } else {
-            q
-        }
-    };
-    Vec3::new(away(q.x, offset.x), away(q.y, offset.y), away(q.z, offset.z))
+    let bound = p_error + p.abs() * (2.0 * UNIT_ROUNDOFF);
+    let d = ng.abs().dot(bound) * (1.0 + gamma(8)) + f32::MIN_POSITIVE;
+    p + ng * d.copysign(w.dot(ng))
 }
 
 #[cfg(test)]

@@ -63,6 +63,7 @@ impl Sampler {
     }
 
     /// Four numbers in [0, 1) for a group of decisions at a bounce (0 is the camera, 1 the first surface).
+    #[inline(always)]
     pub fn get4(&self, bounce: u32, group: Group) -> [f32; 4] {
         let h = mix64(
             self.base
@@ -104,6 +105,7 @@ fn unit_f32(x: u32) -> f32 {
 }
 
 /// A hash in which each bit depends only on itself and lower bits: on reversed numbers, an Owen scramble.
+#[inline(always)]
 fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -113,6 +115,7 @@ fn laine_karras(mut x: u32, seed: u32) -> u32 {
 }
 
 /// Finaliser of SplitMix64 (Steele, Lea & Flood 2014).
+#[inline(always)]
 fn mix64(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -120,6 +123,7 @@ fn mix64(mut x: u64) -> u64 {
 }
 
 /// A 32-bit finaliser (Wellons, hash prospector "lowbias32").
+#[inline(always)]
 fn mix32(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
     x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);

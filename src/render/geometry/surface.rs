@@ -94,7 +94,8 @@ fn of_object(object: &GeomObject, hit: &Hit, slot: u32, point: Point) -> Surface
 fn smooth(object: &GeomObject, hit: &Hit, p: DVec3, error: DVec3, n: DVec3) -> Surface {
     let rounded = p.as_vec3();
     let ng = n.as_vec3();
-    let p_error = error_after_rounding(rounded, error);
+    // Rounded up: twice a bound that is itself tiny beside the rounding of the point.
+    let p_error = rounded.abs() * (UNIT_ROUNDOFF * (1.0 + gamma(4))) + error.as_vec3() * 2.0;
     of_object(
         object,
         hit,

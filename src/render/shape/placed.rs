@@ -102,9 +102,11 @@ pub fn unit_normal(object_from_world: &DAffine3, n: DVec3) -> DVec3 {
 }
 
 /// Adds to an f64 error the rounding of the point itself to f32, and rounds up.
+#[inline(always)]
 pub fn error_after_rounding(p: Vec3, error: DVec3) -> Vec3 {
     let u = f64::from(crate::math::robust::UNIT_ROUNDOFF);
     let total = p.as_dvec3().abs() * u + error;
-    let up = |x: f64| (x as f32).next_up();
+    // A relative step of two units in the last place and the smallest number: upwards without a branch.
+    let up = |x: f64| (x as f32) * (1.0 + 2.0 * f32::EPSILON) + f32::MIN_POSITIVE;
     Vec3::new(up(total.x), up(total.y), up(total.z))
 }
