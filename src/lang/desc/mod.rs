@@ -3,7 +3,9 @@
 
 mod look;
 
-pub use look::{FinishDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, Pigment, PrincipledDesc, SurfaceDesc};
+pub use look::{
+    FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, Pigment, PrincipledDesc, SurfaceDesc,
+};
 
 use crate::diag::Span;
 use crate::scene::{Mesh, RenderDefaults, Shape, Visibility};

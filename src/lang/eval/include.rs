@@ -76,7 +76,8 @@ impl Interp<'_> {
         dirs
     }
 
-    fn locate(&mut self, name: &str, span: Span, extensions: &[&str]) -> Parsed<Option<PathBuf>> {
+    /// The path of a file, looked up tolerantly; `None` if there is none (or only a built-in include).
+    pub fn locate(&mut self, name: &str, span: Span, extensions: &[&str]) -> Parsed<Option<PathBuf>> {
         if name.is_empty() || name.contains('\0') {
             return Err(self.error("P0501", span, "file name is empty or not a name"));
         }
@@ -90,12 +91,11 @@ impl Interp<'_> {
             }
         }
         // Built-in includes come before guessing: `Colors.inc` is meant by it.
-        if extensions.len() > 1 && builtin_text(name).is_some() {
+        let is_include = extensions.contains(&".inc");
+        if is_include && builtin_text(name).is_some() {
             return Ok(None);
         }
-        if extensions.len() > 1
-            && let Some(path) = self.installed(name)
-        {
+        if is_include && let Some(path) = self.installed(name) {
             return Ok(Some(path));
         }
         let plain = name.replace('\\', "/");
