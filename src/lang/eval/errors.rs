@@ -76,6 +76,11 @@ impl Interp<'_> {
         self.report(Diagnostic::warning(code, message).at(span, ""));
     }
 
+    /// Whether this is the first time that something is to be told.
+    pub fn told_first(&mut self, what: &str) -> bool {
+        self.muted == 0 && self.told.insert(what.to_owned())
+    }
+
     /// A warning that is told once per message.
     pub fn warn_once(&mut self, code: &'static str, span: Span, message: impl Into<String>) {
         let message = message.into();

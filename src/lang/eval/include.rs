@@ -26,7 +26,13 @@ impl Interp<'_> {
         let file = match self.locate(&name, at, &["", ".inc", ".pov", ".pts"])? {
             Some(path) => self.tokens_of(&path, at)?,
             None => match builtin_text(&name) {
-                Some((name, text)) => self.builtin_tokens(name, text),
+                Some((name, text)) => {
+                    if text.contains("average colour") && self.told_first(name) {
+                        let message = format!("the patterns of {name} (built in) are drawn in their average colours");
+                        self.report(Diagnostic::note("P0412", message).at(at, ""));
+                    }
+                    self.builtin_tokens(name, text)
+                }
                 None => return Err(self.not_found(&name, at)),
             },
         };

@@ -171,9 +171,10 @@ impl Interp<'_> {
         }
         let color = average(&entries);
         let name = if of_pigments { "pigment_map" } else { "color_map" };
+        let varies = entries.iter().any(|e| Some(&e.1) != entries.first().map(|f| &f.1));
         Ok(Rc::new(Pigment {
             color,
-            pattern: Some((name, tok.span)),
+            pattern: varies.then_some((name, tok.span)),
             image: None,
             uv: false,
         }))
