@@ -71,6 +71,21 @@ impl Interp<'_> {
         Stop
     }
 
+    /// Whether an error would not be told now.
+    pub fn is_silent(&self) -> bool {
+        self.muted > 0 || self.halted
+    }
+
+    /// A failed declaration is used: told already, but a loop that does nothing else must end.
+    pub fn poisoned(&mut self) -> Stop {
+        self.errors += 1;
+        if self.errors >= MAX_ERRORS {
+            self.halted = true;
+            self.ahead = None;
+        }
+        Stop
+    }
+
     /// A warning with its place.
     pub fn warn(&mut self, code: &'static str, span: Span, message: impl Into<String>) {
         self.report(Diagnostic::warning(code, message).at(span, ""));
@@ -97,6 +112,9 @@ impl Interp<'_> {
 
     /// Reports that something else was expected than `tok`.
     pub fn expected_not(&mut self, what: &str, tok: Tok) -> Stop {
+        if self.is_silent() {
+            return Stop;
+        }
         if let Some(stop) = self.bad_token(tok) {
             return stop;
         }
@@ -133,6 +151,9 @@ impl Interp<'_> {
 
     /// Reports a name that nothing was declared under.
     pub fn undefined(&mut self, tok: Tok) -> Stop {
+        if self.is_silent() {
+            return Stop; // suggestions cost time, and a loop may come here often
+        }
         let T::Name(symbol) = tok.t else {
             return self.expected_not("a name", tok);
         };
@@ -153,6 +174,9 @@ impl Interp<'_> {
 
     /// Reports a word or name that has no meaning where it stands.
     pub fn unexpected(&mut self, place: &str, valid: &[&str], tok: Tok) -> Stop {
+        if self.is_silent() {
+            return Stop;
+        }
         if let Some(stop) = self.bad_token(tok) {
             return stop;
         }

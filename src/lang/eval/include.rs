@@ -50,6 +50,9 @@ impl Interp<'_> {
     }
 
     fn not_found(&mut self, name: &str, span: Span) -> super::Stop {
+        if self.is_silent() {
+            return super::Stop;
+        }
         let places: Vec<String> = self.search_dirs().iter().map(|d| show_dir(d)).collect();
         let mut d = Diagnostic::error("P0501", format!("cannot find \"{name}\"")).at(span, "");
         d = d.hint(format!("looked in {}", places.join(", ")));

@@ -47,11 +47,11 @@ const MAX_NESTING: u32 = 600;
 /// Bytes of the stack that scenes are loaded on.
 pub const STACK_BYTES: usize = 256 << 20;
 /// Runs of one loop's body.
-const MAX_LOOP_RUNS: u64 = 5_000_000;
+const MAX_LOOP_RUNS: u64 = 3_000_000;
 /// Runs of all loops together.
 const MAX_RUNS: u64 = 20_000_000;
 /// Calls of all macros.
-const MAX_CALLS: u64 = 8_000_000;
+const MAX_CALLS: u64 = 5_000_000;
 /// Tokens pulled in all.
 const MAX_STEPS: u64 = 4_000_000_000;
 /// Elements of all arrays made.
