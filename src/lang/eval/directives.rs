@@ -276,6 +276,9 @@ impl Interp<'_> {
     }
 
     fn unknown_directive(&mut self, span: Span) -> super::Stop {
+        if self.is_silent() {
+            return super::Stop;
+        }
         let text = self.sources.get(span.file).map(|f| f.text.clone());
         let text = text
             .as_deref()

@@ -12,6 +12,12 @@ pub struct Stop;
 /// The result of parsing something.
 pub type Parsed<R> = Result<R, Stop>;
 
+/// Notes and warnings told at most.
+const MAX_NOTES: usize = 500;
+
+/// Errors while skipping after which reading stops.
+const MAX_SILENT: usize = 20_000;
+
 /// Context labels shown at most.
 const MAX_CONTEXT: usize = 4;
 
@@ -40,8 +46,14 @@ impl Interp<'_> {
     /// Reports a diagnostic, adding how the reading came here.
     pub fn report(&mut self, mut d: Diagnostic) -> Stop {
         let is_error = d.severity == Severity::Error;
-        if self.muted > 0 || self.halted {
+        if self.is_silent() {
             return Stop;
+        }
+        if !is_error {
+            self.notes += 1;
+            if self.notes > MAX_NOTES {
+                return Stop;
+            }
         }
         if is_error && std::mem::take(&mut self.failed) {
             return Stop;
@@ -71,8 +83,15 @@ impl Interp<'_> {
         Stop
     }
 
-    /// Whether an error would not be told now.
-    pub fn is_silent(&self) -> bool {
+    /// Whether an error would not be told now. Silent errors are counted too: a loop of them must end.
+    pub fn is_silent(&mut self) -> bool {
+        if self.muted > 0 {
+            self.silent += 1;
+            if self.silent > MAX_SILENT {
+                self.halted = true; // what was told before is the reason
+                self.ahead = None;
+            }
+        }
         self.muted > 0 || self.halted
     }
 
