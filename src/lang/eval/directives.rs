@@ -224,7 +224,9 @@ impl Interp<'_> {
             self.jump_by_one();
         }
         self.version = version;
-        self.scene.version_given = true;
+        if self.level() == 1 {
+            self.scene_version = version;
+        }
         Ok(())
     }
 

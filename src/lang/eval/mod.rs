@@ -83,6 +83,8 @@ pub struct Interp<'a> {
     pub scene: SceneDesc,
     /// The language version in force, e.g. 3.7.
     pub version: f64,
+    /// The version the main file asks for: defaults go by it, whatever an include sets for itself.
+    pub scene_version: f64,
     /// Whether the scene used `image_width` or `image_height`, and where.
     pub size_used: Option<Span>,
     /// Directory of the main file.
@@ -136,6 +138,7 @@ impl<'a> Interp<'a> {
             scopes: Scopes::default(),
             scene: SceneDesc::default(),
             version: 3.62,
+            scene_version: 3.62,
             size_used: None,
             scene_dir: PathBuf::new(),
             frames: Vec::new(),

@@ -67,7 +67,7 @@ impl Interp<'_> {
     }
 
     fn warn_black_default(&mut self, objects: &[Rc<ObjectDesc>]) {
-        if self.version >= 3.8
+        if self.scene_version >= 3.8
             || self
                 .scene
                 .default_layer
