@@ -59,6 +59,20 @@ pub struct LoadOptions<'a> {
     pub models: &'a ModelLoader<'a>,
 }
 
+impl<'a> LoadOptions<'a> {
+    /// Nothing but a loader of models.
+    pub fn new(models: &'a ModelLoader<'a>) -> LoadOptions<'a> {
+        LoadOptions {
+            include_dirs: Vec::new(),
+            defines: Vec::new(),
+            width: None,
+            height: None,
+            clock: 0.0,
+            models,
+        }
+    }
+}
+
 /// Reads a scene. `None` exactly if there were errors, which are in `diags` with their places.
 ///
 /// Files named `.pov` or `.inc` start with POV-Ray's old defaults (no gamma correction without `#version 3.7` or
@@ -71,13 +85,37 @@ pub fn load(
     sources: &mut SourceMap,
     diags: &mut Diagnostics,
 ) -> Option<Scene> {
+    let bytes = match files.read(path) {
+        Ok(bytes) => bytes,
+        Err(e) => {
+            let d = Diagnostic::error("P0503", format!("cannot read {}: {e}", path.display()));
+            diags.push(d.in_place(path.display().to_string()));
+            return None;
+        }
+    };
+    load_bytes(path, &bytes, files, options, sources, diags)
+}
+
+/// Reads a scene whose text is at hand (from standard input, say). `path` names it in messages, gives the directory of
+/// its includes, and its extension the defaults, as for [`load`].
+pub fn load_bytes(
+    path: &Path,
+    bytes: &[u8],
+    files: &dyn Files,
+    options: &LoadOptions,
+    sources: &mut SourceMap,
+    diags: &mut Diagnostics,
+) -> Option<Scene> {
     let before = diags.count(Severity::Error);
     // Nested blocks and macros recurse; a stack of our own makes the depth limit independent of the caller's.
     let scene = std::thread::scope(|scope| {
         let builder = std::thread::Builder::new()
             .name("scene reader".to_owned())
             .stack_size(eval::STACK_BYTES);
-        let worker = builder.spawn_scoped(scope, || load_here(path, files, options, sources, diags));
+        let worker = builder.spawn_scoped(scope, || {
+            let scene = Interp::new(files, options, sources, diags).run(path, bytes);
+            (diags.count(Severity::Error) == before).then_some(scene)
+        });
         match worker {
             Ok(handle) => match handle.join() {
                 Ok(scene) => scene,
@@ -95,23 +133,68 @@ pub fn load(
     scene
 }
 
-fn load_here(
-    path: &Path,
-    files: &dyn Files,
-    options: &LoadOptions,
-    sources: &mut SourceMap,
-    diags: &mut Diagnostics,
-) -> Option<Scene> {
-    let before = diags.count(Severity::Error);
-    let bytes = match files.read(path) {
-        Ok(bytes) => bytes,
-        Err(e) => {
-            let d = Diagnostic::error("P0503", format!("cannot read {}: {e}", path.display()));
-            diags.push(d.in_place(path.display().to_string()));
-            return None;
-        }
-    };
-    let mut interp = Interp::new(files, options, sources, diags);
-    let scene = interp.run(path, &bytes);
-    (diags.count(Severity::Error) == before).then_some(scene)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::MemoryFiles;
+
+    fn read(path: &str, text: &str) -> (Option<Scene>, Diagnostics) {
+        let (mut sources, mut diags) = (SourceMap::default(), Diagnostics::default());
+        let none = |_: &ModelRequest, _: &mut Diagnostics| None;
+        let options = LoadOptions::new(&none);
+        let files = MemoryFiles::default();
+        let scene = load_bytes(
+            Path::new(path),
+            text.as_bytes(),
+            &files,
+            &options,
+            &mut sources,
+            &mut diags,
+        );
+        (scene, diags)
+    }
+
+    #[test]
+    fn the_extension_decides_what_an_old_scene_means() {
+        let text = "sphere { 0, 1 pigment { rgb .5 } }";
+        let linear = |path| read(path, text).0.map(|s| s.display_is_linear);
+        assert_eq!(
+            [linear("a.pov"), linear("a.pts"), linear("-")],
+            [Some(true), Some(false), Some(false)]
+        );
+    }
+
+    #[test]
+    fn what_is_only_declared_is_not_in_the_scene() {
+        let (scene, _) = read("a.pts", "#declare A = union { sphere { 0, 1 pigment { rgb 1 } } };");
+        let scene = scene.unwrap_or_default();
+        assert!(scene.objects.is_empty() && scene.groups.is_empty() && scene.materials.is_empty());
+    }
+
+    /// Two placed copies share one group however large it is.
+    #[test]
+    fn a_declared_object_costs_its_size_once() {
+        let text = "#declare U = union { #for (I, 1, 1000) sphere { x * I, 1 } #end }\n\
+                    #for (I, 1, 1000) object { U translate y * I } #end";
+        let scene = read("a.pts", text).0.unwrap_or_default();
+        assert_eq!((scene.objects.len(), scene.groups.len()), (1000, 1));
+        assert_eq!(scene.groups.iter().map(|g| g.objects.len()).sum::<usize>(), 1000);
+    }
+
+    #[test]
+    fn equal_materials_are_one() {
+        let text = "#for (I, 1, 50) sphere { x * I, 1 pigment { rgb .5 } } #end";
+        let scene = read("a.pts", text).0.unwrap_or_default();
+        assert_eq!((scene.objects.len(), scene.materials.len()), (50, 1));
+    }
+
+    #[test]
+    fn a_missing_file_is_an_error_with_its_name() {
+        let (mut sources, mut diags) = (SourceMap::default(), Diagnostics::default());
+        let none = |_: &ModelRequest, _: &mut Diagnostics| None;
+        let path = Path::new("none.pts");
+        let files = MemoryFiles::default();
+        let scene = load(path, &files, &LoadOptions::new(&none), &mut sources, &mut diags);
+        assert!(scene.is_none() && diags.iter().any(|d| d.place.as_deref() == Some("none.pts")));
+    }
 }

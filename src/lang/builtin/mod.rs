@@ -12,8 +12,11 @@ pub const FILES: &[(&str, &str)] = &[
     ("metals.inc", include_str!("metals.inc")),
     ("rand.inc", include_str!("rand.inc")),
     ("shapes.inc", include_str!("shapes.inc")),
+    ("skies.inc", include_str!("skies.inc")),
     ("stdinc.inc", include_str!("stdinc.inc")),
+    ("stones.inc", include_str!("stones.inc")),
     ("strings.inc", include_str!("strings.inc")),
     ("textures.inc", include_str!("textures.inc")),
     ("transforms.inc", include_str!("transforms.inc")),
+    ("woods.inc", include_str!("woods.inc")),
 ];

@@ -3,6 +3,7 @@
 use crate::diag::Span;
 use crate::scene::FinishReflection;
 use glam::DVec3;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 /// Texture layers from the bottom up.
@@ -46,12 +47,21 @@ pub struct Pigment {
     pub color: [f64; 5],
     /// The pattern it stands for, with its place.
     pub pattern: Option<(&'static str, Span)>,
+    /// The image it shows, if it is an image map.
+    pub image: Option<Rc<ImageDesc>>,
+    /// Whether it goes by the surface's own coordinates (`uv_mapping`).
+    pub uv: bool,
 }
 
 impl Pigment {
     /// A plain colour.
     pub fn plain(color: [f64; 5]) -> Pigment {
-        Pigment { color, pattern: None }
+        Pigment {
+            color,
+            pattern: None,
+            image: None,
+            uv: false,
+        }
     }
 }
 
@@ -177,4 +187,19 @@ pub struct PrincipledDesc {
     pub numbers: crate::scene::Principled,
     /// `absorption`.
     pub absorption: DVec3,
+}
+
+/// `image_map { … }`.
+#[derive(Clone, Debug)]
+pub struct ImageDesc {
+    /// The file as written.
+    pub name: String,
+    /// The file as found; a missing one is an error only where it is drawn.
+    pub path: Option<PathBuf>,
+    /// Whether it ends at its edges.
+    pub once: bool,
+    /// Whether values between texels are interpolated.
+    pub smooth: bool,
+    /// Where it is named.
+    pub span: Span,
 }

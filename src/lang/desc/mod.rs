@@ -3,7 +3,9 @@
 
 mod look;
 
-pub use look::{FinishDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, Pigment, PrincipledDesc, SurfaceDesc};
+pub use look::{
+    FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, Pigment, PrincipledDesc, SurfaceDesc,
+};
 
 use crate::diag::Span;
 use crate::scene::{Mesh, RenderDefaults, Shape, Visibility};
@@ -250,10 +252,6 @@ pub struct SceneDesc {
     pub defaults: RenderDefaults,
     /// `assumed_gamma`, if written.
     pub gamma: Option<Gamma>,
-    /// Whether `#version` was written.
-    pub version_given: bool,
-    /// Whether the file is in this language rather than POV-Ray's.
-    pub is_native: bool,
     /// `ambient_light`.
     pub ambient_light: Option<DVec3>,
     /// Texture that textures start from and untextured objects get.

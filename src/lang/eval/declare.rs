@@ -99,7 +99,7 @@ impl Interp<'_> {
                 }
                 Some(Value::Poison) => {
                     self.bump();
-                    Err(super::Stop)
+                    Err(self.poisoned())
                 }
                 Some(_) => self.take_value(),
                 None => Err(self.undefined(tok)),

@@ -224,7 +224,9 @@ impl Interp<'_> {
             self.jump_by_one();
         }
         self.version = version;
-        self.scene.version_given = true;
+        if self.level() == 1 {
+            self.scene_version = version;
+        }
         Ok(())
     }
 
@@ -276,6 +278,9 @@ impl Interp<'_> {
     }
 
     fn unknown_directive(&mut self, span: Span) -> super::Stop {
+        if self.is_silent() {
+            return super::Stop;
+        }
         let text = self.sources.get(span.file).map(|f| f.text.clone());
         let text = text
             .as_deref()

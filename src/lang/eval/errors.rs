@@ -12,6 +12,12 @@ pub struct Stop;
 /// The result of parsing something.
 pub type Parsed<R> = Result<R, Stop>;
 
+/// Notes and warnings told at most.
+const MAX_NOTES: usize = 500;
+
+/// Errors while skipping after which reading stops.
+const MAX_SILENT: usize = 20_000;
+
 /// Context labels shown at most.
 const MAX_CONTEXT: usize = 4;
 
@@ -40,8 +46,14 @@ impl Interp<'_> {
     /// Reports a diagnostic, adding how the reading came here.
     pub fn report(&mut self, mut d: Diagnostic) -> Stop {
         let is_error = d.severity == Severity::Error;
-        if self.muted > 0 || self.halted {
+        if self.is_silent() {
             return Stop;
+        }
+        if !is_error {
+            self.notes += 1;
+            if self.notes > MAX_NOTES {
+                return Stop;
+            }
         }
         if is_error && std::mem::take(&mut self.failed) {
             return Stop;
@@ -71,9 +83,36 @@ impl Interp<'_> {
         Stop
     }
 
+    /// Whether an error would not be told now. Silent errors are counted too: a loop of them must end.
+    pub fn is_silent(&mut self) -> bool {
+        if self.muted > 0 {
+            self.silent += 1;
+            if self.silent > MAX_SILENT {
+                self.halted = true; // what was told before is the reason
+                self.ahead = None;
+            }
+        }
+        self.muted > 0 || self.halted
+    }
+
+    /// A failed declaration is used: told already, but a loop that does nothing else must end.
+    pub fn poisoned(&mut self) -> Stop {
+        self.errors += 1;
+        if self.errors >= MAX_ERRORS {
+            self.halted = true;
+            self.ahead = None;
+        }
+        Stop
+    }
+
     /// A warning with its place.
     pub fn warn(&mut self, code: &'static str, span: Span, message: impl Into<String>) {
         self.report(Diagnostic::warning(code, message).at(span, ""));
+    }
+
+    /// Whether this is the first time that something is to be told.
+    pub fn told_first(&mut self, what: &str) -> bool {
+        self.muted == 0 && self.told.insert(what.to_owned())
     }
 
     /// A warning that is told once per message.
@@ -92,6 +131,9 @@ impl Interp<'_> {
 
     /// Reports that something else was expected than `tok`.
     pub fn expected_not(&mut self, what: &str, tok: Tok) -> Stop {
+        if self.is_silent() {
+            return Stop;
+        }
         if let Some(stop) = self.bad_token(tok) {
             return stop;
         }
@@ -128,6 +170,9 @@ impl Interp<'_> {
 
     /// Reports a name that nothing was declared under.
     pub fn undefined(&mut self, tok: Tok) -> Stop {
+        if self.is_silent() {
+            return Stop; // suggestions cost time, and a loop may come here often
+        }
         let T::Name(symbol) = tok.t else {
             return self.expected_not("a name", tok);
         };
@@ -148,6 +193,9 @@ impl Interp<'_> {
 
     /// Reports a word or name that has no meaning where it stands.
     pub fn unexpected(&mut self, place: &str, valid: &[&str], tok: Tok) -> Stop {
+        if self.is_silent() {
+            return Stop;
+        }
         if let Some(stop) = self.bad_token(tok) {
             return stop;
         }

@@ -331,7 +331,7 @@ impl Interp<'_> {
         }
         match self.take_value()? {
             Value::Num(v) => Ok(v),
-            Value::Poison => Err(super::Stop),
+            Value::Poison => Err(self.poisoned()),
             other => {
                 let message = format!("expected a number, vector or colour, found {}", other.kind());
                 Err(self.error("P0303", tok.span, message))

@@ -26,7 +26,13 @@ impl Interp<'_> {
         let file = match self.locate(&name, at, &["", ".inc", ".pov", ".pts"])? {
             Some(path) => self.tokens_of(&path, at)?,
             None => match builtin_text(&name) {
-                Some((name, text)) => self.builtin_tokens(name, text),
+                Some((name, text)) => {
+                    if text.contains("average colour") && self.told_first(name) {
+                        let message = format!("the patterns of {name} (built in) are drawn in their average colours");
+                        self.report(Diagnostic::note("P0412", message).at(at, ""));
+                    }
+                    self.builtin_tokens(name, text)
+                }
                 None => return Err(self.not_found(&name, at)),
             },
         };
@@ -44,6 +50,9 @@ impl Interp<'_> {
     }
 
     fn not_found(&mut self, name: &str, span: Span) -> super::Stop {
+        if self.is_silent() {
+            return super::Stop;
+        }
         let places: Vec<String> = self.search_dirs().iter().map(|d| show_dir(d)).collect();
         let mut d = Diagnostic::error("P0501", format!("cannot find \"{name}\"")).at(span, "");
         d = d.hint(format!("looked in {}", places.join(", ")));
@@ -76,7 +85,8 @@ impl Interp<'_> {
         dirs
     }
 
-    fn locate(&mut self, name: &str, span: Span, extensions: &[&str]) -> Parsed<Option<PathBuf>> {
+    /// The path of a file, looked up tolerantly; `None` if there is none (or only a built-in include).
+    pub fn locate(&mut self, name: &str, span: Span, extensions: &[&str]) -> Parsed<Option<PathBuf>> {
         if name.is_empty() || name.contains('\0') {
             return Err(self.error("P0501", span, "file name is empty or not a name"));
         }
@@ -90,12 +100,11 @@ impl Interp<'_> {
             }
         }
         // Built-in includes come before guessing: `Colors.inc` is meant by it.
-        if extensions.len() > 1 && builtin_text(name).is_some() {
+        let is_include = extensions.contains(&".inc");
+        if is_include && builtin_text(name).is_some() {
             return Ok(None);
         }
-        if extensions.len() > 1
-            && let Some(path) = self.installed(name)
-        {
+        if is_include && let Some(path) = self.installed(name) {
             return Ok(Some(path));
         }
         let plain = name.replace('\\', "/");

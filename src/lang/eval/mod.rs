@@ -47,11 +47,11 @@ const MAX_NESTING: u32 = 600;
 /// Bytes of the stack that scenes are loaded on.
 pub const STACK_BYTES: usize = 256 << 20;
 /// Runs of one loop's body.
-const MAX_LOOP_RUNS: u64 = 5_000_000;
+const MAX_LOOP_RUNS: u64 = 3_000_000;
 /// Runs of all loops together.
 const MAX_RUNS: u64 = 20_000_000;
 /// Calls of all macros.
-const MAX_CALLS: u64 = 8_000_000;
+const MAX_CALLS: u64 = 5_000_000;
 /// Tokens pulled in all.
 const MAX_STEPS: u64 = 4_000_000_000;
 /// Elements of all arrays made.
@@ -83,6 +83,8 @@ pub struct Interp<'a> {
     pub scene: SceneDesc,
     /// The language version in force, e.g. 3.7.
     pub version: f64,
+    /// The version the main file asks for: defaults go by it, whatever an include sets for itself.
+    pub scene_version: f64,
     /// Whether the scene used `image_width` or `image_height`, and where.
     pub size_used: Option<Span>,
     /// Directory of the main file.
@@ -106,6 +108,8 @@ pub struct Interp<'a> {
     closed_early: bool,
     halted: bool,
     errors: usize,
+    silent: usize,
+    notes: usize,
     steps: u64,
     runs: u64,
     calls: u64,
@@ -134,6 +138,7 @@ impl<'a> Interp<'a> {
             scopes: Scopes::default(),
             scene: SceneDesc::default(),
             version: 3.62,
+            scene_version: 3.62,
             size_used: None,
             scene_dir: PathBuf::new(),
             frames: Vec::new(),
@@ -148,6 +153,8 @@ impl<'a> Interp<'a> {
             closed_early: false,
             halted: false,
             errors: 0,
+            silent: 0,
+            notes: 0,
             steps: 0,
             runs: 0,
             calls: 0,

@@ -19,7 +19,7 @@ impl Interp<'_> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let is_pov = matches!(extension.as_deref(), Some("pov" | "inc"));
         self.version = if is_pov { OLD_VERSION } else { OWN_VERSION };
-        self.scene.is_native = !is_pov;
+        self.scene_version = self.version;
         self.scene_dir = path.parent().map(Path::to_owned).unwrap_or_default();
         self.define_from_options();
         let Some(file) = self.tokens_from(&path.display().to_string(), bytes, self.scene_dir.clone()) else {

@@ -167,6 +167,11 @@ impl Interp<'_> {
             .is_some_and(|(t, _)| t.kind == TokenKind::Mark && t.data == u32::from(mark))
     }
 
+    /// Whether a raw token is a string.
+    pub fn raw_is_text(&self, offset: u32) -> bool {
+        self.raw(offset).is_some_and(|(t, _)| t.kind == TokenKind::Text)
+    }
+
     /// The next token; directives and macro calls in front of it are run first.
     pub fn peek(&mut self) -> Tok {
         if let Some(tok) = self.ahead {

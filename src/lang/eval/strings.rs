@@ -50,7 +50,7 @@ impl Interp<'_> {
             }
             T::Name(_) => match self.take_value()? {
                 Value::Text(t) => Ok(t),
-                Value::Poison => Err(Stop),
+                Value::Poison => Err(self.poisoned()),
                 other => Err(self.error(
                     "P0303",
                     tok.span,

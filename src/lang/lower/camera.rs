@@ -200,7 +200,7 @@ impl Interp<'_> {
         }
         let [width, height] = self.resolution().map(f64::from);
         // Until 3.8 the picture was 4:3 whatever the image's shape.
-        let default_right = if self.version >= 3.8 {
+        let default_right = if self.scene_version >= 3.8 {
             DVec3::X * (width / height)
         } else {
             DVec3::X * (4.0 / 3.0)

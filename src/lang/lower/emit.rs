@@ -6,8 +6,11 @@ use crate::diag::{Diagnostic, Span};
 use crate::lang::desc::{Look, ModelDesc, ObjectDesc, ShapeDesc};
 use crate::lang::eval::Interp;
 use crate::lang::{ModelRequest, desc::Pigment};
-use crate::scene::{GroupId, Light, MeshId, Object, Place, Scene, Shape};
-use glam::{DAffine3, DVec3};
+use crate::scene::{
+    ColorInput, Encoding, GroupId, Image, ImageId, ImageSource, ImageTexture, Light, MeshId, Object, Place, Scene,
+    Shape, TexelFilter, Texture, TextureId, Wrap,
+};
+use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -64,7 +67,7 @@ impl Interp<'_> {
     }
 
     fn warn_black_default(&mut self, objects: &[Rc<ObjectDesc>]) {
-        if self.version >= 3.8
+        if self.scene_version >= 3.8
             || self
                 .scene
                 .default_layer
@@ -235,6 +238,51 @@ impl Interp<'_> {
             at,
             format!("`{word}` is not supported yet and is drawn in its average colour"),
         );
+    }
+
+    /// The colour of a pigment: its image where that goes by the surface's coordinates, else a linear rgb.
+    pub fn pigment_input(&mut self, p: &Pigment, out: &mut Scene) -> ColorInput {
+        let (Some(image), true) = (&p.image, p.uv) else {
+            return self.pigment_color(p).into();
+        };
+        let Some(path) = &image.path else {
+            self.error("P0501", image.span, format!("cannot find \"{}\"", image.name));
+            return DVec3::ONE.into();
+        };
+        let source = ImageSource::File(path.clone());
+        let known = out.images.iter().position(|i| i.source == source);
+        let id = match known {
+            Some(i) => ImageId(i as u32),
+            None => out.add_image(Image {
+                name: image.name.clone(),
+                source,
+                place: Place::Text(image.span),
+            }),
+        };
+        let wrap = if image.once { Wrap::Clamp } else { Wrap::Repeat };
+        let texture = Texture::Image(ImageTexture {
+            image: id,
+            uv_set: 0,
+            uv_transform: DAffine2::IDENTITY,
+            wrap_u: wrap,
+            wrap_v: wrap,
+            filter: if image.smooth {
+                TexelFilter::Bilinear
+            } else {
+                TexelFilter::Nearest
+            },
+            encoding: if self.display_is_linear() {
+                Encoding::Linear
+            } else {
+                Encoding::Srgb
+            },
+        });
+        let known = out.textures.iter().position(|t| *t == texture);
+        let texture = known.map_or_else(|| out.add_texture(texture), |i| TextureId(i as u32));
+        ColorInput {
+            factor: DVec3::ONE,
+            texture: Some(texture),
+        }
     }
 
     /// The linear rgb of a pigment, patterns being told.

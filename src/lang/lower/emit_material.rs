@@ -89,9 +89,9 @@ impl Interp<'_> {
         let Some(first) = first else {
             return Material::new(SurfaceModel::Black);
         };
-        let mut material = self.layer_material(first, interior, tint, false);
+        let mut material = self.layer_material(first, interior, (tint, false), out);
         for (layer, opacity, tint) in above.into_iter().rev() {
-            let over = self.layer_material(layer, interior, tint, true);
+            let over = self.layer_material(layer, interior, (tint, true), out);
             let place = over.place.clone();
             let emission = material.emission.factor * (1.0 - opacity) + over.emission.factor * opacity;
             let (a, b) = (add(material, out, done), add(over, out, done));
@@ -107,7 +107,13 @@ impl Interp<'_> {
     }
 
     /// One layer, seen through `tint`; `solid` when its transparency is the mix's business.
-    fn layer_material(&mut self, layer: &Layer, interior: Option<&InteriorDesc>, tint: DVec3, solid: bool) -> Material {
+    fn layer_material(
+        &mut self,
+        layer: &Layer,
+        interior: Option<&InteriorDesc>,
+        (tint, solid): (DVec3, bool),
+        out: &mut Scene,
+    ) -> Material {
         if let Some(at) = layer.normal {
             self.warn_once(
                 "P0409",
@@ -115,7 +121,8 @@ impl Interp<'_> {
                 "`normal` is not supported yet: the surface is drawn smooth",
             );
         }
-        let rgb = self.pigment_color(&layer.pigment) * tint;
+        let mut input = self.pigment_input(&layer.pigment, out);
+        let rgb = input.factor * tint;
         if rgb.min_element() < 0.0 {
             self.warn_once(
                 "P0309",
@@ -133,7 +140,8 @@ impl Interp<'_> {
         };
         let opacity = (1.0 - filter - transmit).clamp(0.0, 1.0);
         let mut finish = finish_of(f);
-        finish.color = rgb.into();
+        input.factor = rgb;
+        finish.color = input;
         finish.filter = filter;
         finish.transmit = transmit.min(1.0 - filter);
         finish.ior = interior
@@ -142,6 +150,9 @@ impl Interp<'_> {
         let mut material = Material::new(SurfaceModel::Finish(Box::new(finish)));
         let emission = (self.glow(f) + f.emission) * rgb * opacity;
         material.emission = emission.max(DVec3::ZERO).into();
+        if material.emission.factor != DVec3::ZERO {
+            material.emission.texture = input.texture;
+        }
         material.place = layer.span.map_or(Place::None, Place::Text);
         material
     }
@@ -179,11 +190,11 @@ impl Interp<'_> {
         let mut absorbs = DVec3::ZERO;
         let model = match &s.model {
             ModelSurface::Diffuse { color, sigma } => SurfaceModel::Diffuse {
-                color: self.pigment_color(color).into(),
+                color: self.pigment_input(color, out),
                 sigma: (*sigma).into(),
             },
             ModelSurface::Specular { color } => SurfaceModel::Specular {
-                color: self.pigment_color(color).into(),
+                color: self.pigment_input(color, out),
             },
             ModelSurface::Glass {
                 color,
@@ -194,7 +205,7 @@ impl Interp<'_> {
             } => {
                 absorbs = *absorption;
                 SurfaceModel::Glass {
-                    color: self.pigment_color(color).into(),
+                    color: self.pigment_input(color, out),
                     ior: *ior,
                     roughness: (*roughness).into(),
                     abbe: *abbe,
@@ -206,22 +217,22 @@ impl Interp<'_> {
                 ior,
                 metal,
             } => SurfaceModel::Glossy {
-                color: self.pigment_color(color).into(),
+                color: self.pigment_input(color, out),
                 roughness: (*roughness).into(),
                 ior: *ior,
                 metal: *metal,
             },
             ModelSurface::Translucent { color, transmit } => SurfaceModel::Translucent {
-                color: self.pigment_color(color).into(),
+                color: self.pigment_input(color, out),
                 transmit: (*transmit).into(),
             },
             ModelSurface::Principled(p) => {
                 absorbs = p.absorption;
                 let mut numbers = p.numbers.clone();
-                numbers.base_color = self.pigment_color(&p.base_color).into();
-                numbers.specular_color = self.pigment_color(&p.specular_color).into();
-                numbers.sheen_color = self.pigment_color(&p.sheen_color).into();
-                numbers.diffuse_transmission_color = self.pigment_color(&p.diffuse_transmission_color).into();
+                numbers.base_color = self.pigment_input(&p.base_color, out);
+                numbers.specular_color = self.pigment_input(&p.specular_color, out);
+                numbers.sheen_color = self.pigment_input(&p.sheen_color, out);
+                numbers.diffuse_transmission_color = self.pigment_input(&p.diffuse_transmission_color, out);
                 SurfaceModel::Principled(Box::new(numbers))
             }
             ModelSurface::Mix { a, b, weight } => {
@@ -243,7 +254,9 @@ impl Interp<'_> {
             material.emission = (of(a) * (1.0 - w) + of(b) * w).into();
         }
         if let Some(emission) = &s.emission {
-            let radiance = self.pigment_color(emission);
+            let input = self.pigment_input(emission, out);
+            let radiance = input.factor;
+            material.emission.texture = input.texture;
             if radiance.min_element() < 0.0 {
                 self.error("P0311", s.span, "emission must not be negative");
             }

@@ -198,7 +198,7 @@ impl Interp<'_> {
     pub fn default_layer(&mut self) -> Rc<Layer> {
         if self.scene.default_layer.is_none() {
             // 3.8 made the default pigment white; before, what has no texture is black.
-            let white = self.version >= 3.8;
+            let white = self.scene_version >= 3.8;
             let v = f64::from(u8::from(white));
             let mut finish = crate::lang::desc::FinishDesc::default();
             if white {

@@ -8,6 +8,7 @@ mod emit_material;
 mod environment;
 mod extent;
 mod finish;
+mod image_map;
 mod interior;
 mod item;
 mod light;

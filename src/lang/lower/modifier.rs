@@ -70,7 +70,11 @@ impl Interp<'_> {
                 self.bump();
                 invert(object);
             }
-            Word::Hollow | Word::Open | Word::Sturm | Word::Hierarchy | Word::DoubleIlluminate | Word::UvMapping => {
+            Word::UvMapping => {
+                self.bump();
+                use_uv(&mut object.look);
+            }
+            Word::Hollow | Word::Open | Word::Sturm | Word::Hierarchy | Word::DoubleIlluminate => {
                 self.bump();
                 self.flag()?;
             }
@@ -158,6 +162,17 @@ fn add_layers(look: &mut Look, new: &[Rc<Layer>]) {
     layers.extend(new.iter().cloned());
     look.layers = Some(layers.into());
     look.surface = None;
+}
+
+/// `uv_mapping` of an object holds for the pigments it has.
+fn use_uv(look: &mut Look) {
+    let Some(layers) = &look.layers else { return };
+    let mapped = layers.iter().map(|l| {
+        let mut layer = (**l).clone();
+        Rc::make_mut(&mut layer.pigment).uv = true;
+        Rc::new(layer)
+    });
+    look.layers = Some(mapped.collect());
 }
 
 /// A material replaces what it says something about.

@@ -54,6 +54,8 @@ impl Interp<'_> {
         let mut pattern = None;
         let mut colors: Vec<[f64; 5]> = Vec::new();
         let mut map: Option<Rc<Pigment>> = None;
+        let mut image = None;
+        let mut uv = false;
         loop {
             let tok = self.peek_item();
             match tok.t {
@@ -70,6 +72,14 @@ impl Interp<'_> {
                 _ if self.starts_color() => colors.push(self.color()?),
                 T::Word(Word::ColorMap | Word::PigmentMap) => map = Some(self.map_block()?),
                 T::Word(Word::Pigment) => colors.push(self.pigment()?.color),
+                T::Word(Word::ImageMap) => {
+                    pattern = Some(("image_map", tok.span));
+                    image = self.image_map()?;
+                }
+                T::Word(Word::UvMapping) => {
+                    self.bump();
+                    uv = true;
+                }
                 T::Word(w) if is_pattern(w) => {
                     pattern = Some((w.text(), tok.span));
                     self.pattern(w)?;
@@ -110,7 +120,12 @@ impl Interp<'_> {
             (None, all) => mean(all),
         };
         let pattern = pattern.or(map.and_then(|m| m.pattern));
-        Ok(Rc::new(Pigment { color, pattern }))
+        Ok(Rc::new(Pigment {
+            color,
+            pattern,
+            image,
+            uv,
+        }))
     }
 
     /// `color_map { … }` or `pigment_map { … }`, beginning with the word: the average over [0, 1].
@@ -156,9 +171,12 @@ impl Interp<'_> {
         }
         let color = average(&entries);
         let name = if of_pigments { "pigment_map" } else { "color_map" };
+        let varies = entries.iter().any(|e| Some(&e.1) != entries.first().map(|f| &f.1));
         Ok(Rc::new(Pigment {
             color,
-            pattern: Some((name, tok.span)),
+            pattern: varies.then_some((name, tok.span)),
+            image: None,
+            uv: false,
         }))
     }
 

@@ -114,7 +114,7 @@ impl Interp<'_> {
 
     /// Whether the picture is shown as computed: an old scene that says nothing about gamma.
     pub fn display_is_linear(&self) -> bool {
-        self.scene.gamma.is_none() && self.version < 3.7
+        self.scene.gamma.is_none() && self.scene_version < 3.7
     }
 
     /// A linear value as the scene would write it.

@@ -34,6 +34,7 @@ impl Interp<'_> {
         layer.span = Some(start);
         // Layers that a map or a block pattern mixes: the first one stands for all.
         let mut mixed: Option<(&'static str, Layers)> = None;
+        let mut uv = false;
         loop {
             let tok = self.peek_item();
             match tok.t {
@@ -59,6 +60,10 @@ impl Interp<'_> {
                     self.bump();
                     self.skip_block()?;
                     mixed.get_or_insert((w.text(), Rc::new([self.default_layer()])));
+                }
+                T::Word(Word::UvMapping) => {
+                    self.bump();
+                    uv = true;
                 }
                 T::Word(w) if is_pattern(w) => self.pattern(w)?,
                 T::Word(w) => {
@@ -106,6 +111,9 @@ impl Interp<'_> {
                 Ok(out.into())
             }
             None => {
+                if uv {
+                    Rc::make_mut(&mut layer.pigment).uv = true;
+                }
                 layers.push(Rc::new(layer));
                 Ok(layers.into())
             }

@@ -1,0 +1,88 @@
+//! `image_map { png "file" … }`.
+
+use crate::lang::desc::ImageDesc;
+use crate::lang::eval::{Interp, Parsed, T};
+use crate::lang::syntax::Word;
+use std::rc::Rc;
+
+impl Interp<'_> {
+    /// An image map, beginning with its word. `None` if it names no file (a function's image, for instance).
+    pub fn image_map(&mut self) -> Parsed<Option<Rc<ImageDesc>>> {
+        self.bump();
+        if self.peek().t != T::Mark(b'{') {
+            return self.image_items(); // `image_map png "file"`, the old form
+        }
+        self.block(|s| {
+            let image = s.image_items()?;
+            let depth = s.depth();
+            // What is left (gamma, an image function's numbers) does not change what is shown.
+            while !(s.peek().t == T::Mark(b'}') && s.depth() == depth) && s.peek().t != T::End {
+                s.bump();
+            }
+            Ok(image)
+        })
+    }
+
+    fn image_items(&mut self) -> Parsed<Option<Rc<ImageDesc>>> {
+        let mut image: Option<ImageDesc> = None;
+        loop {
+            let tok = self.peek();
+            match tok.t {
+                _ if image.is_none() && self.starts_text() => {
+                    let name = self.text("the image's file")?.to_string();
+                    let path = self.locate(&name, tok.span, &["", ".png", ".jpg"])?;
+                    image = Some(ImageDesc {
+                        name,
+                        path,
+                        once: false,
+                        smooth: false,
+                        span: tok.span,
+                    });
+                }
+                T::Word(
+                    Word::Gif
+                    | Word::Tga
+                    | Word::Png
+                    | Word::Jpeg
+                    | Word::Tiff
+                    | Word::Ppm
+                    | Word::Pgm
+                    | Word::Pot
+                    | Word::Sys,
+                ) => {
+                    self.bump();
+                }
+                // Types that POV-Ray has no word for, or that are newer than our table.
+                T::Name(n) if image.is_none() && self.scopes.get(n).is_none() && self.raw_is_text(1) => {
+                    self.bump();
+                }
+                T::Word(Word::Once) => {
+                    self.bump();
+                    if let Some(i) = &mut image {
+                        i.once = true;
+                    }
+                }
+                T::Word(Word::Interpolate) => {
+                    self.bump();
+                    let method = self.finite("interpolation")?;
+                    if let Some(i) = &mut image {
+                        i.smooth = method > 0.0;
+                    }
+                }
+                T::Word(Word::MapType | Word::UseIndex | Word::UseColor | Word::UseAlpha) => {
+                    self.bump();
+                    self.skip_arguments()?;
+                }
+                T::Word(Word::Filter | Word::Transmit) => {
+                    self.bump();
+                    self.eat_word(Word::All);
+                    self.skip_arguments()?;
+                }
+                T::Mark(b',') => {
+                    self.bump();
+                }
+                _ => return Ok(image.map(Rc::new)),
+            }
+        }
+    }
+}
