@@ -26,15 +26,15 @@ fn sources(dir: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
+/// All sources but those of test modules.
 fn all_sources() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();
     sources(&root, &mut files);
     let name = |p: &Path| p.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
-    files
-        .iter()
-        .map(|p| (name(p), fs::read_to_string(p).unwrap()))
-        .collect()
+    let is_test = |name: &str| name.contains("/tests/") || name.ends_with("/tests.rs");
+    let read = |p: &PathBuf| (name(p), fs::read_to_string(p).unwrap());
+    files.iter().map(read).filter(|(name, _)| !is_test(name)).collect()
 }
 
 fn floor(module: &str) -> Option<(usize, usize)> {
@@ -46,7 +46,12 @@ fn floor(module: &str) -> Option<(usize, usize)> {
 
 /// The part of a source before its tests.
 fn without_tests(text: &str) -> &str {
-    text.split("#[cfg(test)]").next().unwrap()
+    text.split("#[cfg(test)]")
+        .next()
+        .unwrap()
+        .split("#[cfg(all(test")
+        .next()
+        .unwrap()
 }
 
 #[test]

@@ -317,7 +317,8 @@ impl Run<'_> {
         }
         if let (Some(goal), Some((found, at))) = (stop.error, error) {
             // Noise falls like the square root of the samples; better than that is a gift.
-            let needed = f64::from(at) * (found.bound / goal).powi(2) * pixels as f64;
+            let ratio = found.bound / goal;
+            let needed = f64::from(at) * ratio * ratio * pixels as f64;
             fraction = fraction.max((samples as f64 / needed).min(0.99));
             remaining = remaining.min(elapsed / samples as f64 * (needed - samples as f64).max(0.0));
         }

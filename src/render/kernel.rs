@@ -4,17 +4,19 @@
 //! one scattered direction, roulette. A pass-through (coverage, straight transmission) does not count as a
 //! bounce: the path goes on as if the surface were not there, and light sampling looks through it as well.
 
+mod direct;
+mod start;
+
 use super::bsdf::Bsdf;
-use super::light::{HitOnLight, LightSample, mis_weight};
+use super::light::{HitOnLight, mis_weight};
 use super::material::{Alpha, Shading};
 use super::medium::MediumStack;
-use super::ray::{Hit, PrimRef, Ray, ray_mask};
+use super::ray::{PrimRef, Ray, ray_mask};
 use super::report::Anomalies;
 use super::sampler::{Group, Repeated, Sampler};
 use super::scene::CompiledScene;
 use super::settings::{Direct, Settings};
 use super::surface::{Attributes, Surface};
-use crate::math::frame::Frame;
 use crate::math::robust::offset_origin;
 use glam::{Vec2, Vec3};
 
@@ -96,7 +98,7 @@ impl<'a> Kernel<'a> {
                 !lights.is_empty()
             },
             camera_media: if scene.traits.solids {
-                media_around_camera(scene)
+                start::media_around_camera(scene)
             } else {
                 MediumStack::default()
             },
@@ -358,127 +360,6 @@ impl<'a> Kernel<'a> {
             (Some(_), Direct::Light) => f32::from(u8::from(light_pdf() == 0.0)),
         }
     }
-
-    /// What one light sample adds to the radiance that leaves the surface.
-    #[allow(clippy::too_many_arguments)] // one call site; a struct would only rename them
-    fn lit(
-        &self,
-        light: &LightSample,
-        bsdf: &Bsdf,
-        frame: &Frame,
-        wo_local: Vec3,
-        wo: Vec3,
-        surface: &Surface,
-        media: &MediumStack,
-        stats: &mut PathStats,
-    ) -> Vec3 {
-        let wi_local = frame.to_local(light.wi);
-        let crosses = wi_local.z * wo_local.z < 0.0;
-        if crosses != (light.wi.dot(surface.ng) * wo.dot(surface.ng) < 0.0) {
-            return Vec3::ZERO;
-        }
-        let (f, bsdf_pdf) = bsdf.eval_pdf(wo_local, wi_local);
-        if f == Vec3::ZERO {
-            return Vec3::ZERO;
-        }
-        let weight = if light.delta || self.direct == Direct::Light {
-            1.0
-        } else {
-            mis_weight(light.pdf, bsdf_pdf)
-        };
-        let radiance = if light.textured {
-            self.textured_emission(light, surface.p)
-        } else {
-            light.radiance
-        };
-        let unshadowed = f * radiance * (weight / light.pdf);
-        if unshadowed == Vec3::ZERO {
-            return Vec3::ZERO;
-        }
-        let ray = Ray {
-            origin: offset_origin(surface.p, surface.p_error, surface.ng, light.wi),
-            dir: light.wi,
-            t_max: light.t_max,
-            from: surface.prim,
-            to: light.to,
-            mask: ray_mask::SHADOW,
-        };
-        unshadowed * self.visibility(light, ray, media, stats)
-    }
-
-    /// The radiance that the sampled point of a textured light emits towards `p`.
-    fn textured_emission(&self, light: &LightSample, p: Vec3) -> Vec3 {
-        let geometry = &self.scene.geometry;
-        let hit = Hit {
-            t: light.distance,
-            prim: light.to,
-            b: light.b,
-        };
-        let surface = geometry.surface(&Ray::new(p, light.wi), &hit);
-        let attributes = geometry.attributes(&hit, &surface);
-        let front = light.wi.dot(surface.ng) < 0.0;
-        self.scene.materials[surface.material as usize].emission(&self.shading(&attributes, 1.0), front)
-    }
-
-    /// The share of a light sample's radiance that arrives, per channel.
-    fn visibility(&self, light: &LightSample, mut ray: Ray, media: &MediumStack, stats: &mut PathStats) -> Vec3 {
-        let traits = self.scene.traits;
-        let through_glass = light.delta && traits.lamp_through_glass;
-        if !light.casts_shadow {
-            return Vec3::ONE;
-        }
-        if !traits.see_through && !through_glass {
-            stats.rays += 1;
-            if self.scene.geometry.occluded(&ray) {
-                return Vec3::ZERO;
-            }
-            return media.transmittance(light.t_max);
-        }
-        let mut media = *media;
-        let mut left = Vec3::ONE;
-        for _ in 0..MOST_PASSES {
-            stats.rays += 1;
-            let Some(hit) = self.scene.geometry.closest(&ray) else {
-                return left * media.transmittance(ray.t_max);
-            };
-            let surface = self.scene.geometry.surface(&ray, &hit);
-            let material = &self.scene.materials[surface.material as usize];
-            let attributes = if material.needs_attributes {
-                self.scene.geometry.attributes(&hit, &surface)
-            } else {
-                NO_ATTRIBUTES
-            };
-            let cos = ray.dir.dot(surface.ng);
-            let shading = self.shading(&attributes, media.ior_around(surface.prim.object));
-            let straight = if material.interior && !through_glass {
-                Vec3::ZERO
-            } else {
-                material.straight_transmittance(&shading, cos.abs())
-            };
-            let alpha = material.alpha(&shading);
-            left *= media.transmittance(hit.t) * (straight * alpha + Vec3::splat(1.0 - alpha));
-            if left == Vec3::ZERO {
-                return left;
-            }
-            if material.interior && alpha > 0.0 {
-                if cos < 0.0 {
-                    media.enter(surface.prim.object, material.ior, material.absorption);
-                } else {
-                    media.leave(surface.prim.object);
-                }
-            }
-            let t_max = ray.t_max - hit.t;
-            if t_max <= 0.0 {
-                return left;
-            }
-            ray = Ray {
-                t_max,
-                ..go_on(&ray, &surface)
-            };
-        }
-        stats.anomalies.stack_overflow += 1;
-        Vec3::ZERO
-    }
 }
 
 /// A vector whose length is 1 but for rounding, brought nearer to 1: one Newton step for 1/√x at x ≈ 1, which squares
@@ -503,34 +384,3 @@ static NO_ATTRIBUTES: Attributes = Attributes {
     tangent: Vec3::ZERO,
     bitangent: Vec3::ZERO,
 };
-
-/// The solids around the camera, by walking a ray to infinity and looking from which side each is left.
-fn media_around_camera(scene: &CompiledScene) -> MediumStack {
-    // A direction that no axis-aligned face contains.
-    let dir = Vec3::new(0.267_261_24, 0.534_522_5, 0.801_783_7);
-    let mut ray = Ray::new(Vec3::ZERO, dir);
-    let mut left_from_inside = Vec::new();
-    let mut open: Vec<u32> = Vec::new();
-    for _ in 0..MOST_PASSES {
-        let Some(hit) = scene.geometry.closest(&ray) else { break };
-        let surface = scene.geometry.surface(&ray, &hit);
-        let material = &scene.materials[surface.material as usize];
-        if material.interior {
-            let object = surface.prim.object;
-            if dir.dot(surface.ng) < 0.0 {
-                open.push(object);
-            } else if let Some(i) = open.iter().rposition(|&o| o == object) {
-                open.remove(i);
-            } else {
-                left_from_inside.push((object, material.ior, material.absorption));
-            }
-        }
-        ray = go_on(&ray, &surface);
-    }
-    // The first one left is the innermost.
-    let mut media = MediumStack::default();
-    for (object, ior, absorption) in left_from_inside.into_iter().rev() {
-        media.enter(object, ior, absorption);
-    }
-    media
-}

@@ -30,7 +30,9 @@ pub fn build_tree(bounds: &[Bounds], leaf_size: u32) -> Tree {
     // Areas of boxes around 1e20 overflow f32, those around 1e-20 vanish: build in a friendlier unit.
     // A power of two changes no digit.
     let largest = bounds.iter().map(|b| b.largest()).fold(0.0f32, f32::max);
-    let unit = if largest > 1e12 || (largest < 1e-6 && largest > 0.0) {
+    const SMALL: f32 = 1e-6;
+    const LARGE: f32 = 1e12;
+    let unit = if largest > LARGE || (largest < SMALL && largest > 0.0) {
         power_of_two_below(f64::from(largest))
     } else {
         1.0

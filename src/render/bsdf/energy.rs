@@ -87,10 +87,13 @@ fn mean_over_views<const N: usize>(row: &[f32; N]) -> f32 {
     sum as f32
 }
 
+/// Cosine that stands for the limit at grazing in tables, where the formulas themselves are 0/0.
+const GRAZING: f32 = 1e-6;
+
 /// The view direction and the facets of one entry.
 fn entry<const N: usize>(view: usize, alpha: usize) -> (Vec3, Ggx) {
     let t = view as f32 / (N - 1) as f32;
-    let cos = (t * t).max(1e-6); // the limit at grazing
+    let cos = (t * t).max(GRAZING);
     let r = alpha as f32 / (N - 1) as f32;
     let a = (r * r).max(ALPHA_DELTA);
     (

@@ -17,6 +17,9 @@ pub struct Sheen {
     pub alpha: f32,
 }
 
+/// Cosine that stands for the limit at grazing in the table.
+const GRAZING: f32 = 1e-4;
+
 /// The roughness of the narrowest lobe.
 const ROUGHNESS_MIN: f32 = 0.07;
 const VIEWS: usize = 32;
@@ -93,7 +96,7 @@ fn raw_albedo(alpha: f32, cos: f32) -> f32 {
             let alpha = r * r;
             std::array::from_fn(|i| {
                 let t = i as f32 / (VIEWS - 1) as f32;
-                let cos = (t * t).max(1e-4);
+                let cos = (t * t).max(GRAZING);
                 let wo = Vec3::new(sqrt_of_nonnegative(1.0 - cos * cos), 0.0, cos);
                 let sum: f32 = (0..POINTS)
                     .map(|k| {

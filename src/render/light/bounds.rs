@@ -261,7 +261,7 @@ fn positive(x: f64) -> f32 {
 
 /// Leaves room for sums of 2³¹ importances.
 pub(crate) fn in_range(x: f32) -> f32 {
-    x.min(f32::MAX * 1e-10)
+    x.min(f32::MAX / 1e10)
 }
 
 fn sine(cos: f32) -> f32 {

@@ -1,0 +1,135 @@
+//! Light samples: what they add, and what stands in their way.
+
+use super::{Kernel, MOST_PASSES, NO_ATTRIBUTES, PathStats, go_on};
+use crate::math::frame::Frame;
+use crate::math::robust::offset_origin;
+use crate::render::bsdf::Bsdf;
+use crate::render::light::{LightSample, mis_weight};
+use crate::render::medium::MediumStack;
+use crate::render::ray::{Hit, Ray, ray_mask};
+use crate::render::settings::Direct;
+use crate::render::surface::Surface;
+use glam::Vec3;
+
+impl Kernel<'_> {
+    /// What one light sample adds to the radiance that leaves the surface.
+    #[allow(clippy::too_many_arguments)] // one call site; a struct would only rename them
+    pub(super) fn lit(
+        &self,
+        light: &LightSample,
+        bsdf: &Bsdf,
+        frame: &Frame,
+        wo_local: Vec3,
+        wo: Vec3,
+        surface: &Surface,
+        media: &MediumStack,
+        stats: &mut PathStats,
+    ) -> Vec3 {
+        let wi_local = frame.to_local(light.wi);
+        let crosses = wi_local.z * wo_local.z < 0.0;
+        if crosses != (light.wi.dot(surface.ng) * wo.dot(surface.ng) < 0.0) {
+            return Vec3::ZERO;
+        }
+        let (f, bsdf_pdf) = bsdf.eval_pdf(wo_local, wi_local);
+        if f == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let weight = if light.delta || self.direct == Direct::Light {
+            1.0
+        } else {
+            mis_weight(light.pdf, bsdf_pdf)
+        };
+        let radiance = if light.textured {
+            self.textured_emission(light, surface.p)
+        } else {
+            light.radiance
+        };
+        let unshadowed = f * radiance * (weight / light.pdf);
+        if unshadowed == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let ray = Ray {
+            origin: offset_origin(surface.p, surface.p_error, surface.ng, light.wi),
+            dir: light.wi,
+            t_max: light.t_max,
+            from: surface.prim,
+            to: light.to,
+            mask: ray_mask::SHADOW,
+        };
+        unshadowed * self.visibility(light, ray, media, stats)
+    }
+
+    /// The radiance that the sampled point of a textured light emits towards `p`.
+    fn textured_emission(&self, light: &LightSample, p: Vec3) -> Vec3 {
+        let geometry = &self.scene.geometry;
+        let hit = Hit {
+            t: light.distance,
+            prim: light.to,
+            b: light.b,
+        };
+        let surface = geometry.surface(&Ray::new(p, light.wi), &hit);
+        let attributes = geometry.attributes(&hit, &surface);
+        let front = light.wi.dot(surface.ng) < 0.0;
+        self.scene.materials[surface.material as usize].emission(&self.shading(&attributes, 1.0), front)
+    }
+
+    /// The share of a light sample's radiance that arrives, per channel.
+    fn visibility(&self, light: &LightSample, mut ray: Ray, media: &MediumStack, stats: &mut PathStats) -> Vec3 {
+        let traits = self.scene.traits;
+        let through_glass = light.delta && traits.lamp_through_glass;
+        if !light.casts_shadow {
+            return Vec3::ONE;
+        }
+        if !traits.see_through && !through_glass {
+            stats.rays += 1;
+            if self.scene.geometry.occluded(&ray) {
+                return Vec3::ZERO;
+            }
+            return media.transmittance(light.t_max);
+        }
+        let mut media = *media;
+        let mut left = Vec3::ONE;
+        for _ in 0..MOST_PASSES {
+            stats.rays += 1;
+            let Some(hit) = self.scene.geometry.closest(&ray) else {
+                return left * media.transmittance(ray.t_max);
+            };
+            let surface = self.scene.geometry.surface(&ray, &hit);
+            let material = &self.scene.materials[surface.material as usize];
+            let attributes = if material.needs_attributes {
+                self.scene.geometry.attributes(&hit, &surface)
+            } else {
+                NO_ATTRIBUTES
+            };
+            let cos = ray.dir.dot(surface.ng);
+            let shading = self.shading(&attributes, media.ior_around(surface.prim.object));
+            let straight = if material.interior && !through_glass {
+                Vec3::ZERO
+            } else {
+                material.straight_transmittance(&shading, cos.abs())
+            };
+            let alpha = material.alpha(&shading);
+            left *= media.transmittance(hit.t) * (straight * alpha + Vec3::splat(1.0 - alpha));
+            if left == Vec3::ZERO {
+                return left;
+            }
+            if material.interior && alpha > 0.0 {
+                if cos < 0.0 {
+                    media.enter(surface.prim.object, material.ior, material.absorption);
+                } else {
+                    media.leave(surface.prim.object);
+                }
+            }
+            let t_max = ray.t_max - hit.t;
+            if t_max <= 0.0 {
+                return left;
+            }
+            ray = Ray {
+                t_max,
+                ..go_on(&ray, &surface)
+            };
+        }
+        stats.anomalies.stack_overflow += 1;
+        Vec3::ZERO
+    }
+}

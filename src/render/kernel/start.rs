@@ -1,0 +1,38 @@
+//! Where paths start: the solids around the camera.
+
+use super::{MOST_PASSES, go_on};
+use crate::render::medium::MediumStack;
+use crate::render::ray::Ray;
+use crate::render::scene::CompiledScene;
+use glam::Vec3;
+
+/// The solids around the camera, by walking a ray to infinity and looking from which side each is left.
+pub(super) fn media_around_camera(scene: &CompiledScene) -> MediumStack {
+    // A direction that no axis-aligned face contains.
+    let dir = Vec3::new(0.267_261_24, 0.534_522_5, 0.801_783_7);
+    let mut ray = Ray::new(Vec3::ZERO, dir);
+    let mut left_from_inside = Vec::new();
+    let mut open: Vec<u32> = Vec::new();
+    for _ in 0..MOST_PASSES {
+        let Some(hit) = scene.geometry.closest(&ray) else { break };
+        let surface = scene.geometry.surface(&ray, &hit);
+        let material = &scene.materials[surface.material as usize];
+        if material.interior {
+            let object = surface.prim.object;
+            if dir.dot(surface.ng) < 0.0 {
+                open.push(object);
+            } else if let Some(i) = open.iter().rposition(|&o| o == object) {
+                open.remove(i);
+            } else {
+                left_from_inside.push((object, material.ior, material.absorption));
+            }
+        }
+        ray = go_on(&ray, &surface);
+    }
+    // The first one left is the innermost.
+    let mut media = MediumStack::default();
+    for (object, ior, absorption) in left_from_inside.into_iter().rev() {
+        media.enter(object, ior, absorption);
+    }
+    media
+}
