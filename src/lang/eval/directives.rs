@@ -224,7 +224,7 @@ impl Interp<'_> {
             self.jump_by_one();
         }
         self.version = version;
-        if self.level() == 1 {
+        if self.level() == 1 || self.includes_set_version {
             self.scene_version = version;
         }
         Ok(())

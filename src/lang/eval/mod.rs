@@ -85,6 +85,8 @@ pub struct Interp<'a> {
     pub version: f64,
     /// The version the main file asks for: defaults go by it, whatever an include sets for itself.
     pub scene_version: f64,
+    /// Whether a `#version` in an include counts for the whole scene too, as in POV-Ray.
+    pub includes_set_version: bool,
     /// Whether the scene used `image_width` or `image_height`, and where.
     pub size_used: Option<Span>,
     /// Directory of the main file.
@@ -139,6 +141,7 @@ impl<'a> Interp<'a> {
             scene: SceneDesc::default(),
             version: 3.62,
             scene_version: 3.62,
+            includes_set_version: true,
             size_used: None,
             scene_dir: PathBuf::new(),
             frames: Vec::new(),

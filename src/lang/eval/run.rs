@@ -8,8 +8,11 @@ use crate::lang::syntax::Interner;
 use crate::scene::Scene;
 use std::path::Path;
 
-/// Version that POV-Ray's files have without `#version`.
+/// The version whose defaults POV-Ray's files have as long as no `#version` was read.
 const OLD_VERSION: f64 = 3.62;
+/// What `version` reads as until then. A standard include saves and restores it, which is a `#version` like any
+/// other: old scenes that include `colors.inc` are gamma-corrected, those that include nothing are not.
+const OLD_VERSION_READS: f64 = 3.7;
 /// Version that our own files have without `#version`.
 const OWN_VERSION: f64 = 3.8;
 
@@ -18,8 +21,12 @@ impl Interp<'_> {
     pub fn run(&mut self, path: &Path, bytes: &[u8]) -> Scene {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let is_pov = matches!(extension.as_deref(), Some("pov" | "inc"));
-        self.version = if is_pov { OLD_VERSION } else { OWN_VERSION };
-        self.scene_version = self.version;
+        (self.version, self.scene_version) = if is_pov {
+            (OLD_VERSION_READS, OLD_VERSION)
+        } else {
+            (OWN_VERSION, OWN_VERSION)
+        };
+        self.includes_set_version = is_pov;
         self.scene_dir = path.parent().map(Path::to_owned).unwrap_or_default();
         self.define_from_options();
         let Some(file) = self.tokens_from(&path.display().to_string(), bytes, self.scene_dir.clone()) else {

@@ -18,7 +18,8 @@ pub fn intersect(major: f64, minor: f64, line: Line, shift: f64, found: &mut Can
     // Parameter s is measured from the foot of the perpendicular; the torus lies within |s| ≤ √(1 − |foot|²).
     let middle = -o.dot(d);
     let foot = o + d * middle;
-    let half = 1.0 + 1e-9 - foot.length_squared();
+    const ROOM: f64 = 1e-9; // far more than the rounding of the foot, and costs nothing
+    let half = 1.0 + ROOM - foot.length_squared();
     if half.is_nan() || half < 0.0 {
         return;
     }
