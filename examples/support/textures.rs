@@ -61,15 +61,14 @@ pub fn crate_color(size: u32) -> RgbImage {
 
 /// Normals of the planks, tangent space, +y up.
 pub fn crate_normals(size: u32) -> RgbImage {
-    let image = RgbImage::from_fn(size, size, |x, y| {
+    RgbImage::from_fn(size, size, |x, y| {
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(size);
         let (x, y, h) = (at(x), at(y), 1.0 / f64::from(size));
         let slope_x = (height(x + h, y) - height(x - h, y)) / (2.0 * h) * 0.012;
         let slope_down = (height(x, y + h) - height(x, y - h)) / (2.0 * h) * 0.012;
         let n = glam::DVec3::new(-slope_x, slope_down, 1.0).normalize();
         Rgb((n * 127.0 + 128.0).to_array().map(|v| v as u8))
-    });
-    image
+    })
 }
 
 /// glTF's packing: green is roughness, blue is metallic.

@@ -10,7 +10,7 @@ const LEAF: u32 = 16;
 
 /// How many sums a prefix of `points` points is made of: one for each maximal subtree, one for an unfinished leaf.
 fn parts(points: u32) -> usize {
-    (points / LEAF).count_ones() as usize + usize::from(points % LEAF != 0)
+    (points / LEAF).count_ones() as usize + usize::from(!points.is_multiple_of(LEAF))
 }
 
 /// Points that net `net` of `nets` has among the first `samples` samples.
@@ -75,11 +75,11 @@ impl TileFilm {
                 for j in j0..j1 {
                     sample(pixel, j * self.nets + net, &mut value);
                     leaf.iter_mut().zip(&value).for_each(|(l, v)| *l += v);
-                    if (j + 1) % LEAF == 0 {
+                    if (j + 1).is_multiple_of(LEAF) {
                         carry(&mut stack, &mut leaf, (j + 1) / LEAF);
                     }
                 }
-                if j1 % LEAF != 0 {
+                if !j1.is_multiple_of(LEAF) {
                     stack.extend_from_slice(&leaf);
                 }
                 sums[row * stride * c..][..stack.len()].copy_from_slice(&stack);
