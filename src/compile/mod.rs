@@ -101,7 +101,8 @@ fn is_see_through(m: &Material) -> bool {
     let alpha = !matches!(m.alpha, Alpha::Opaque);
     alpha
         || match &m.surface {
-            SurfaceModel::Finish(f) => (f.filter > 0.0 || f.transmit > 0.0) && f.ior.is_none(),
+            // Also with an ior: inside a medium of the same index nothing is bent.
+            SurfaceModel::Finish(f) => f.filter > 0.0 || f.transmit > 0.0,
             SurfaceModel::Principled(p) => p.transmission.factor > 0.0 && !p.thick,
             SurfaceModel::Black
             | SurfaceModel::Diffuse { .. }

@@ -259,6 +259,14 @@ impl<'a> Kernel<'a> {
                 return out;
             }
             throughput *= s.weight;
+            if crosses && material.interior {
+                if !front {
+                    media.leave(surface.prim.object);
+                } else if !media.enter(surface.prim.object, material.ior, material.absorption) {
+                    stats.anomalies.stack_overflow += 1;
+                    return out;
+                }
+            }
             if s.straight {
                 if passes == MOST_PASSES {
                     stats.anomalies.stack_overflow += 1;
@@ -267,16 +275,6 @@ impl<'a> Kernel<'a> {
                 passes += 1;
                 ray = go_on(&ray, &surface);
                 continue;
-            }
-            if crosses && material.interior {
-                if front {
-                    if !media.enter(surface.prim.object, material.ior, material.absorption) {
-                        stats.anomalies.stack_overflow += 1;
-                        return out;
-                    }
-                } else {
-                    media.leave(surface.prim.object);
-                }
             }
             eta_scale *= s.eta * s.eta;
 

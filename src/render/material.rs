@@ -332,16 +332,19 @@ impl Material {
         }
     }
 
-    /// Share of light per channel that a shadow ray of a lamp keeps when it passes through unbent, in POV-Ray's manner;
-    /// zero for what is opaque, or rough (its scattering reaches lamps by itself). `cos` = |cosθ| at the surface.
+    /// Share of light per channel that a shadow ray keeps when it passes through unbent; zero for what is opaque, or
+    /// rough (its scattering reaches lamps by itself). `cos` = |cosθ| at the surface. Coverage is not included.
+    ///
+    /// What really passes unbent ([`super::bsdf::BsdfSample::straight`]) counts always. With `bent_too`, for lamps that no
+    /// scattered ray can find, smooth refracting solids pass light as if they did not bend it, in POV-Ray's manner.
     /// A solid's reflectance is that of entering, on both crossings: the real, bent ray has the same on its way out.
-    /// Coverage is not included.
-    pub fn straight_transmittance(&self, cx: &Shading<'_>, cos: f32) -> Vec3 {
-        self.straight_within(cx, cos, MIX_DEPTH)
+    pub fn straight_transmittance(&self, cx: &Shading<'_>, cos: f32, bent_too: bool) -> Vec3 {
+        self.straight_within(cx, cos, bent_too, MIX_DEPTH)
     }
 
-    fn straight_within(&self, cx: &Shading<'_>, cos: f32, depth: u32) -> Vec3 {
+    fn straight_within(&self, cx: &Shading<'_>, cos: f32, bent_too: bool, depth: u32) -> Vec3 {
         match &self.surface {
+            SurfaceModel::Glass { .. } if !bent_too => Vec3::ZERO,
             SurfaceModel::Glass { color, roughness } => {
                 let eta = self.relative_ior(cx);
                 if is_rough_solid(eta, roughness_to_alpha(roughness.unit(cx))) {
@@ -352,9 +355,13 @@ impl Material {
             }
             SurfaceModel::Finish(f) => {
                 let mut lobes = f.lobes(cx);
+                if lobes.eta != 1.0 && !bent_too {
+                    return Vec3::ZERO;
+                }
                 lobes.eta = lobes.eta.max(1.0 / lobes.eta);
                 lobes.passage(Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos))
             }
+            SurfaceModel::Principled(p) if p.thick && !bent_too => Vec3::ZERO,
             SurfaceModel::Principled(p) => self.principled_straight(p, cx, cos),
             SurfaceModel::Mix { .. } if depth == 0 => Vec3::ZERO,
             SurfaceModel::Mix { a, b, weight } => {
@@ -362,7 +369,7 @@ impl Material {
                 let part = |id: u32| {
                     cx.materials
                         .get(id as usize)
-                        .map_or(Vec3::ZERO, |m| m.straight_within(cx, cos, depth - 1))
+                        .map_or(Vec3::ZERO, |m| m.straight_within(cx, cos, bent_too, depth - 1))
                 };
                 part(*a) * (1.0 - w) + part(*b) * w
             }

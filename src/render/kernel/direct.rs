@@ -103,11 +103,7 @@ impl Kernel<'_> {
             };
             let cos = ray.dir.dot(surface.ng);
             let shading = self.shading(&attributes, media.ior_around(surface.prim.object));
-            let straight = if material.interior && !through_glass {
-                Vec3::ZERO
-            } else {
-                material.straight_transmittance(&shading, cos.abs())
-            };
+            let straight = material.straight_transmittance(&shading, cos.abs(), through_glass);
             let alpha = material.alpha(&shading);
             left *= media.transmittance(hit.t) * (straight * alpha + Vec3::splat(1.0 - alpha));
             if left == Vec3::ZERO {

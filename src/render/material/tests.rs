@@ -120,7 +120,7 @@ fn mixtures_that_contain_themselves_are_black() {
     };
     let m = &world.materials[0];
     assert_eq!(m.bsdf(&world.shading(), &mut || 0.3), Bsdf::Black);
-    assert_eq!(m.straight_transmittance(&world.shading(), 1.0), Vec3::ZERO);
+    assert_eq!(m.straight_transmittance(&world.shading(), 1.0, true), Vec3::ZERO);
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn a_pigment_under_a_lamp_looks_as_in_pov_ray() {
 fn lamps_shine_straight_through_smooth_glass_only() {
     let world = World::default();
     let cx = world.shading();
-    let through = |m: &Material| m.straight_transmittance(&cx, 1.0);
+    let through = |m: &Material| m.straight_transmittance(&cx, 1.0, true);
     let want = Vec3::new(1.0, 0.5, 0.25) * 0.96; // F = 0.04 at 1.5
     assert!((through(&glass(0.0)) - want).abs().max_element() < 1e-6);
     assert_eq!(through(&glass(0.5)), Vec3::ZERO);
