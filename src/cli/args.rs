@@ -194,7 +194,7 @@ pub struct LoadArgs {
     /// Declare an identifier before the text scene is read: -D radius=2. Can be repeated.
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = values::define, help_heading = SCENE)]
     pub define: Vec<(String, String)>,
-    /// Value of `clock` in text scenes, seconds of animation in glTF [default: 0].
+    /// Value of `clock` in text scenes [default: 0].
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = values::finite, help_heading = SCENE)]
     pub clock: Option<f64>,
     /// Which scene of a bare glTF to show, by name [default: the file's default scene].
