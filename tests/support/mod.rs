@@ -5,4 +5,5 @@
 pub mod estimate;
 pub mod images;
 pub mod reference;
+pub mod scenes;
 pub mod ztest;

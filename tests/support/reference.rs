@@ -120,10 +120,11 @@ pub fn cornell(aspect: f64) -> Balls {
 }
 
 /// Parts of the classic box's picture in which one thing is seen.
-pub const CORNELL_REGIONS: [Region; 6] = [
+pub const CORNELL_REGIONS: [Region; 7] = [
     region("red wall", [0.02, 0.15, 0.15, 0.75]),
     region("blue wall", [0.85, 0.15, 0.98, 0.6]),
     region("back wall", [0.3, 0.25, 0.7, 0.5]),
+    region("ceiling", [0.25, 0.02, 0.4, 0.09]),
     region("floor", [0.25, 0.85, 0.55, 0.98]),
     region("mirror ball", [0.28, 0.55, 0.42, 0.75]),
     region("glass ball", [0.62, 0.62, 0.8, 0.85]),
