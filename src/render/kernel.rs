@@ -140,7 +140,10 @@ impl<'a> Kernel<'a> {
                 albedo: Vec3::ZERO,
             },
         };
-        let mut throughput = Vec3::ONE;
+        // In a medium of index n radiance is n² times that outside; the camera itself is filled with air.
+        let camera_ior = self.camera_media.ior_around(PrimRef::NONE.object);
+        let mut eta_scale = camera_ior * camera_ior;
+        let mut throughput = Vec3::splat(1.0 / eta_scale);
         let mut from = Departure {
             p: ray.origin,
             n: Vec3::ZERO,
@@ -148,7 +151,6 @@ impl<'a> Kernel<'a> {
             pdf: None,
         };
         let mut media = self.camera_media;
-        let mut eta_scale = 1.0f32;
         let mut bounce = 1u32; // 1 is the first surface
         let mut passes = 0u32;
         loop {

@@ -61,7 +61,7 @@ pub fn ready(name: &str, defines: &[(&str, &str)], size: [u32; 2]) -> Ready {
     };
     let path = path(name);
     let mut scene = load(&path, &files, &options, &mut sources, &mut diags);
-    let is_model = path.extension().is_some_and(|e| e != "pts");
+    let is_model = path.extension().is_some_and(|e| e != "pts" && e != "pov");
     if let Some(scene) = scene.as_mut().filter(|_| is_model) {
         framing::frame(scene, f64::from(size[0]) / f64::from(size[1]));
     }
