@@ -5,7 +5,7 @@ use clap::ValueEnum;
 /// How `check` tells mistakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ReportFormat {
-    /// Text with the source lines.
+    /// Text for people.
     Human,
     /// One JSON document.
     Json,

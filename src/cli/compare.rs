@@ -111,8 +111,8 @@ fn unwritable(message: &str) -> Failure {
 
 /// Somebody asks for the noise test of images that cannot be tested.
 fn no_noise(flag: &str) -> Failure {
-    let message = format!("{flag} needs standard errors, and neither image has any");
-    let hint = "render at least one of them to .exr with 16 or more samples per pixel and more than one net";
+    let message = format!("{flag} needs known standard errors in floating-point images, which these are not");
+    let hint = "render both to .exr with at least 16 samples per pixel and more than one net";
     (Exit::Usage, Diagnostic::error("I0008", message).hint(hint))
 }
 

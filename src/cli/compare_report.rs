@@ -55,7 +55,11 @@ pub fn to_text(args: &CompareArgs, a: &Image, m: &Metrics) -> String {
     );
     match &m.noise {
         Some(noise) => noise_lines(noise, &mut line),
-        None => line("noise", "unknown".to_owned(), "no image has known standard errors"),
+        None => line(
+            "noise",
+            "unknown".to_owned(),
+            "needs .exr images with known standard errors",
+        ),
     }
     text
 }

@@ -4,6 +4,11 @@
 //! The test holds for images whose pixels are independent: ours are (one pixel a sample), images made with filters
 //! that spread samples over neighbours are not, and would be found different too often. Two images of the same seed
 //! share their noise and are found different too rarely.
+//!
+//! Light comes in rare bright samples, so that an image of few samples errs in mean and in standard error together:
+//! where it is too dark it also believes itself too good. Where the other image has more samples, its variance says
+//! better how good so few can be; the larger of the two counts. An image with noise that is compared with an exact
+//! one has no such help and is found different a little too often.
 
 use super::Image;
 use crate::math::stats::normal_quantile;
@@ -76,9 +81,10 @@ impl NoiseTest {
         extreme(self.bias_z)
     }
 
-    /// Tests two images of the same size. `None` if neither has standard errors, or none of them is known.
+    /// Tests two images of the same size. `None` if neither has standard errors, none of them is known, or an image
+    /// is developed: rounding and cutting are no noise.
     pub fn of(a: &Image, b: &Image, side: u32) -> Option<NoiseTest> {
-        if a.stderr.is_none() && b.stderr.is_none() {
+        if (a.stderr.is_none() && b.stderr.is_none()) || a.is_developed || b.is_developed {
             return None;
         }
         let sums = sums(a, b, side);
@@ -132,15 +138,11 @@ fn blocks(a: &Image, sums: &[Sum], side: u32) -> Vec<Block> {
 
 /// The sums of each block.
 fn sums(a: &Image, b: &Image, side: u32) -> Vec<Sum> {
-    let (width, side) = (a.width as usize, side.max(1) as usize);
+    let width = a.width as usize;
     if (a.width, a.height) != (b.width, b.height) || !a.is_complete() || !b.is_complete() || width == 0 {
         return Vec::new();
     }
-    let [nets_a, nets_b] = [a, b].map(|i| f64::from(i.nets.unwrap_or(USUAL_NETS).max(2)));
-    let variance = |image: &Image, i: usize| match &image.stderr {
-        Some(stderr) => stderr[i].map(|s| f64::from(s).powi(2)),
-        None => [0.0; 3],
-    };
+    let side = side.max(1) as usize;
     let across = width.div_ceil(side);
     let down = (a.height as usize).div_ceil(side);
     let row = |v: usize| {
@@ -148,10 +150,7 @@ fn sums(a: &Image, b: &Image, side: u32) -> Vec<Sum> {
         for y in v * side..((v + 1) * side).min(a.height as usize) {
             for x in 0..width {
                 let i = y * width + x;
-                row[x / side].pixel(
-                    [a.rgb[i], b.rgb[i]],
-                    [(variance(a, i), nets_a), (variance(b, i), nets_b)],
-                );
+                row[x / side].pixel([a.rgb[i], b.rgb[i]], [Noise::of(a, i), Noise::of(b, i)]);
             }
         }
         row
@@ -159,64 +158,134 @@ fn sums(a: &Image, b: &Image, side: u32) -> Vec<Sum> {
     (0..down).into_par_iter().flat_map_iter(row).collect()
 }
 
+/// What is known of the noise of one pixel in one image.
+#[derive(Clone, Copy, Debug)]
+struct Noise {
+    /// Variance of the mean, per channel.
+    variance: [f64; 3],
+    /// Independent estimates behind it.
+    nets: f64,
+    samples: Option<u32>,
+}
+
+impl Noise {
+    fn of(image: &Image, i: usize) -> Noise {
+        Noise {
+            variance: match &image.stderr {
+                Some(stderr) => stderr[i].map(|s| f64::from(s).powi(2)),
+                None => [0.0; 3],
+            },
+            nets: f64::from(image.nets.unwrap_or(USUAL_NETS).max(2)),
+            samples: image.samples.as_ref().filter(|_| image.stderr.is_some()).map(|s| s[i]),
+        }
+    }
+
+    /// What the noise would be with the samples of `self`, as `other` shows it; if that has no more, what it is.
+    fn judged_by(&self, other: &Noise) -> Noise {
+        match (self.samples, other.samples) {
+            (Some(own), Some(more)) if 0 < own && own < more => Noise {
+                variance: other.variance.map(|v| v * f64::from(more) / f64::from(own)),
+                ..*other
+            },
+            _ => *self,
+        }
+    }
+}
+
+/// A variance summed over pixels, and how well it is known.
+#[derive(Clone, Copy, Debug, Default)]
+struct Variance {
+    sum: f64,
+    /// Half the variance of the sum's estimate.
+    spread: f64,
+}
+
+impl Variance {
+    fn add(&mut self, noise: &Noise, c: usize) {
+        let v = noise.variance[c];
+        self.sum += v;
+        // With ν = nets − 1 degrees of freedom, v²/(ν + 2) estimates σ⁴/ν without bias.
+        self.spread += v * v / (noise.nets + 1.0);
+    }
+
+    fn merge(&mut self, other: &Variance) {
+        self.sum += other.sum;
+        self.spread += other.spread;
+    }
+
+    fn larger(self, other: Variance) -> Variance {
+        if other.sum > self.sum { other } else { self }
+    }
+}
+
 /// What adds up over the pixels of a block.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     pixels: u64,
-    difference: [f64; 3],
-    /// Variance of the difference.
-    variance: [f64; 3],
-    /// Variance of that variance's estimate, halved.
-    spread: [f64; 3],
-    rounding: [f64; 3],
+    channels: [Channel; 3],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Channel {
+    difference: f64,
+    rounding: f64,
+    /// Of each image, as it shows it itself.
+    own: [Variance; 2],
+    /// Of each image, as the other shows it.
+    judged: [Variance; 2],
 }
 
 impl Sum {
-    /// Adds a pixel of both images: colours, and variances of the mean with the number of nets behind them.
-    fn pixel(&mut self, color: [[f32; 3]; 2], noise: [([f64; 3], f64); 2]) {
-        let known = color.iter().flatten().all(|c| c.is_finite())
-            && noise.iter().flat_map(|(v, _)| v).all(|v| v.is_finite() && *v >= 0.0);
-        if !known {
+    /// Adds a pixel of both images.
+    fn pixel(&mut self, color: [[f32; 3]; 2], noise: [Noise; 2]) {
+        let is_known = |v: &f64| v.is_finite() && *v >= 0.0;
+        if !color.iter().flatten().all(|c| c.is_finite()) || !noise.iter().flat_map(|n| &n.variance).all(is_known) {
             return;
         }
         self.pixels += 1;
-        for c in 0..3 {
+        let [na, nb] = &noise;
+        let judged = [na.judged_by(nb), nb.judged_by(na)];
+        for (c, channel) in self.channels.iter_mut().enumerate() {
             let [a, b] = color.map(|color| f64::from(color[c]));
-            self.difference[c] += a - b;
-            self.rounding[c] += ROUNDING_STEPS * f64::from(f32::EPSILON) * a.abs().max(b.abs());
-            // Both images at once, so that swapping them changes no rounding.
-            let [va, vb] = noise.map(|(variance, _)| variance[c]);
-            self.variance[c] += va + vb;
-            // With ν = nets − 1 degrees of freedom, v²/(ν + 2) estimates σ⁴/ν without bias.
-            let [na, nb] = noise.map(|(_, nets)| nets);
-            self.spread[c] += va * va / (na + 1.0) + vb * vb / (nb + 1.0);
+            channel.difference += a - b;
+            channel.rounding += ROUNDING_STEPS * f64::from(f32::EPSILON) * a.abs().max(b.abs());
+            for i in 0..2 {
+                channel.own[i].add(&noise[i], c);
+                channel.judged[i].add(&judged[i], c);
+            }
         }
     }
 
     fn add(&mut self, other: &Sum) {
         self.pixels += other.pixels;
-        for c in 0..3 {
-            self.difference[c] += other.difference[c];
-            self.variance[c] += other.variance[c];
-            self.spread[c] += other.spread[c];
-            self.rounding[c] += other.rounding[c];
+        for (channel, other) in self.channels.iter_mut().zip(&other.channels) {
+            channel.difference += other.difference;
+            channel.rounding += other.rounding;
+            for i in 0..2 {
+                channel.own[i].merge(&other.own[i]);
+                channel.judged[i].merge(&other.judged[i]);
+            }
         }
     }
 
     /// Standard normal scores per channel; `None` without pixels.
     fn z(&self) -> Option<[f64; 3]> {
-        let score = |c: usize| {
-            let difference = self.difference[c];
-            if difference.abs() <= self.rounding[c] {
-                return 0.0;
-            }
-            if self.variance[c] == 0.0 {
-                return f64::INFINITY.copysign(difference);
-            }
-            let freedom = self.variance[c].powi(2) / self.spread[c]; // Welch and Satterthwaite
-            normal_score(difference / self.variance[c].sqrt(), freedom)
-        };
-        (self.pixels > 0).then(|| [0, 1, 2].map(score))
+        (self.pixels > 0).then(|| self.channels.each_ref().map(Channel::z))
+    }
+}
+
+impl Channel {
+    fn z(&self) -> f64 {
+        if self.difference.abs() <= self.rounding {
+            return 0.0;
+        }
+        let [a, b] = [0, 1].map(|i| self.own[i].larger(self.judged[i]));
+        let variance = a.sum + b.sum;
+        if variance == 0.0 {
+            return f64::INFINITY.copysign(self.difference);
+        }
+        let freedom = variance * variance / (a.spread + b.spread); // Welch and Satterthwaite
+        normal_score(self.difference / variance.sqrt(), freedom)
     }
 }
 

@@ -17,6 +17,10 @@ pub struct Image {
     pub stderr: Option<Vec<[f32; 3]>>,
     /// From how many independent estimates each standard error was made, where the file says so.
     pub nets: Option<u32>,
+    /// Samples of each pixel, where the file says so.
+    pub samples: Option<Vec<u32>>,
+    /// Whether it comes from integers, cut at white and rounded: what is lost there is no noise.
+    pub is_developed: bool,
 }
 
 /// The first bytes of OpenEXR files.
@@ -47,6 +51,8 @@ impl Image {
                     rgb,
                     stderr: triple(&file, ["stderr.R", "stderr.G", "stderr.B"]),
                     nets: nets(&file),
+                    samples: file.u32_channel("samples").map(<[u32]>::to_vec),
+                    is_developed: false,
                 });
             }
         }
@@ -56,7 +62,9 @@ impl Image {
     /// Whether there is exactly one colour (and one standard error, if any) for each pixel.
     pub(super) fn is_complete(&self) -> bool {
         let pixels = self.width as usize * self.height as usize;
-        self.rgb.len() == pixels && self.stderr.as_ref().is_none_or(|s| s.len() == pixels)
+        self.rgb.len() == pixels
+            && self.stderr.as_ref().is_none_or(|s| s.len() == pixels)
+            && self.samples.as_ref().is_none_or(|s| s.len() == pixels)
     }
 }
 
@@ -86,7 +94,10 @@ fn from_picture(picture: &Picture) -> Image {
     };
     let texels = 0..picture.texels.len();
     let rgb = texels.filter_map(|i| picture.texels.rgba(i)).map(color).collect();
-    Image::from_rgb(picture.width, picture.height, rgb)
+    Image {
+        is_developed: !is_float,
+        ..Image::from_rgb(picture.width, picture.height, rgb)
+    }
 }
 
 #[cfg(test)]
@@ -99,7 +110,7 @@ mod tests {
     fn eight_bit_files_are_decoded_from_srgb_and_shown_on_black() {
         let q = quantize([2, 1], &[[0.5; 3], [1.0; 3]], Some(&[1.0, 0.2]), Transfer::Srgb, false);
         let image = Image::decode(&png::encode(&q, &[]).unwrap(), "a.png").unwrap();
-        assert_eq!((image.width, image.height), (2, 1));
+        assert_eq!((image.width, image.height, image.is_developed), (2, 1, true));
         // 0.5 has the code 188, which means 0.5029 (IEC 61966-2-1); 0.2 is 51/255 exactly.
         assert!((image.rgb[0][0] - 0.502_886).abs() < 1e-6, "{}", image.rgb[0][0]);
         assert!((image.rgb[1][2] - 0.2).abs() < 1e-6, "{}", image.rgb[1][2]);
@@ -115,12 +126,17 @@ mod tests {
             data: ChannelData::F32(vec![v, v + 1.0]),
         };
         let names = ["R", "G", "B", "stderr.R", "stderr.G", "stderr.B"];
-        let channels: Vec<_> = names.iter().zip(0u8..).map(|(n, i)| channel(n, f32::from(i))).collect();
+        let mut channels: Vec<_> = names.iter().zip(0u8..).map(|(n, i)| channel(n, f32::from(i))).collect();
+        channels.push(NamedChannel {
+            name: "samples".to_owned(),
+            data: ChannelData::U32(vec![16, 64]),
+        });
         let file = exr::encode([2, 1], channels, Some(("pts", r#"{"nets": 8}"#))).unwrap();
         let image = Image::decode(&file, "a.exr").unwrap();
         assert_eq!(image.rgb, [[0.0, 1.0, 2.0], [1.0, 2.0, 3.0]]);
         assert_eq!(image.stderr, Some(vec![[3.0, 4.0, 5.0], [4.0, 5.0, 6.0]]));
-        assert_eq!(image.nets, Some(8));
+        assert_eq!((image.nets, image.is_developed), (Some(8), false));
+        assert_eq!(image.samples, Some(vec![16, 64]));
     }
 
     #[test]

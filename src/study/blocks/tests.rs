@@ -68,6 +68,54 @@ fn noise_alone_is_rarely_called_a_difference() {
     }
 }
 
+/// A pixel of rare bright samples: each is 100 with probability 1/100 and 0 otherwise, all channels alike, in 4 nets.
+fn rare(rng: &mut Pcg, size: [u32; 2], samples: u32) -> Image {
+    let mut image = Image::from_rgb(size[0], size[1], Vec::new());
+    let mut errors = Vec::new();
+    for _ in 0..size[0] * size[1] {
+        let per_net = samples / 4;
+        let nets = [0; 4].map(|_| {
+            let hits = (0..per_net).filter(|_| rng.next_u32() % 100 == 0).count();
+            100.0 * hits as f64 / f64::from(per_net)
+        });
+        let mean = nets.iter().sum::<f64>() / 4.0;
+        let squares: f64 = nets.iter().map(|x| (x - mean).powi(2)).sum();
+        image.rgb.push([mean as f32; 3]);
+        errors.push([(squares / 12.0).sqrt() as f32; 3]);
+    }
+    image.stderr = Some(errors);
+    image.samples = Some(vec![samples; image.rgb.len()]);
+    image
+}
+
+/// Without the other's variance, the image of 16 samples is called too dark in nearly every pair: a block without a hit knows no noise.
+#[test]
+fn few_samples_that_missed_rare_light_are_no_difference() {
+    let mut rng = Pcg::new(7);
+    let (mut alarms, mut naive_alarms) = (0, 0);
+    for _ in 0..60 {
+        let (mut few, many) = (rare(&mut rng, [32, 32], 16), rare(&mut rng, [32, 32], 512));
+        alarms += u32::from(NoiseTest::of(&few, &many, 4).unwrap().differing > 0);
+        few.samples = None;
+        naive_alarms += u32::from(NoiseTest::of(&few, &many, 4).unwrap().differing > 0);
+    }
+    assert!(alarms <= 4, "{alarms} of 60");
+    assert!(
+        naive_alarms > 4 * alarms.max(1),
+        "{naive_alarms} without the other's variance, {alarms} with it"
+    );
+}
+
+#[test]
+fn developed_pictures_are_not_tested_for_noise() {
+    let noisy = noisy(&mut Pcg::new(1), [8, 8], 1.0, 4);
+    let developed = Image {
+        is_developed: true,
+        ..Image::from_rgb(8, 8, noisy.rgb.clone())
+    };
+    assert_eq!(NoiseTest::of(&noisy, &developed, 8), None);
+}
+
 /// σ ≤ 0.2 a pixel from 4 nets of σ ≤ 0.4: a block of 64 knows its difference to 0.035; 0.5 is 14 of them.
 #[test]
 fn a_difference_in_one_block_is_found_where_it_is() {
