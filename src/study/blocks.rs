@@ -87,6 +87,7 @@ impl NoiseTest {
         if (a.stderr.is_none() && b.stderr.is_none()) || a.is_developed || b.is_developed {
             return None;
         }
+        let side = side.max(1);
         let sums = sums(a, b, side);
         let tested: Vec<Block> = blocks(a, &sums, side).into_iter().filter(|b| b.z.is_some()).collect();
         let distance = |b: &Block| b.extreme().unwrap_or(0.0).abs();
@@ -123,11 +124,12 @@ pub fn threshold(scores: u64) -> f64 {
 
 /// The scores of all blocks, row by row from the top left. Empty if the images differ in size.
 pub fn scores(a: &Image, b: &Image, side: u32) -> Vec<Block> {
+    let side = side.max(1);
     blocks(a, &sums(a, b, side), side)
 }
 
 fn blocks(a: &Image, sums: &[Sum], side: u32) -> Vec<Block> {
-    let columns = a.width.div_ceil(side.max(1)).max(1);
+    let columns = a.width.div_ceil(side).max(1);
     let place = |(i, sum): (u32, &Sum)| Block {
         x: i % columns * side,
         y: i / columns * side,
@@ -136,13 +138,13 @@ fn blocks(a: &Image, sums: &[Sum], side: u32) -> Vec<Block> {
     (0..).zip(sums).map(place).collect()
 }
 
-/// The sums of each block.
+/// The sums of each block; `side` is at least 1.
 fn sums(a: &Image, b: &Image, side: u32) -> Vec<Sum> {
     let width = a.width as usize;
     if (a.width, a.height) != (b.width, b.height) || !a.is_complete() || !b.is_complete() || width == 0 {
         return Vec::new();
     }
-    let side = side.max(1) as usize;
+    let side = side as usize;
     let across = width.div_ceil(side);
     let down = (a.height as usize).div_ceil(side);
     let row = |v: usize| {

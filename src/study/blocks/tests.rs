@@ -75,7 +75,7 @@ fn rare(rng: &mut Pcg, size: [u32; 2], samples: u32) -> Image {
     for _ in 0..size[0] * size[1] {
         let per_net = samples / 4;
         let nets = [0; 4].map(|_| {
-            let hits = (0..per_net).filter(|_| rng.next_u32() % 100 == 0).count();
+            let hits = (0..per_net).filter(|_| rng.next_u32().is_multiple_of(100)).count();
             100.0 * hits as f64 / f64::from(per_net)
         });
         let mean = nets.iter().sum::<f64>() / 4.0;
