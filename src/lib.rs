@@ -12,3 +12,4 @@ pub mod output;
 pub mod pictures;
 pub mod render;
 pub mod scene;
+pub mod study;

@@ -1,7 +1,9 @@
 //! The command line as data. Every flag is declared and explained here, once; the commands only read the result.
 
 use super::camera::CameraChoice;
-use super::choices::{Aov, ColorKind, DirectKind, FilterKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind};
+use super::choices::{
+    Aov, ColorKind, DirectKind, FilterKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind,
+};
 use super::values::{self, Resolution};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -38,6 +40,14 @@ Exit codes:
   4    an image cannot be written
   130  interrupted (the picture so far is saved)";
 
+/// What the exit codes of `compare` mean; part of its help.
+pub const COMPARE_EXIT_CODES: &str = "\
+Exit codes:
+  0    within all thresholds, or none was given
+  1    beyond a threshold
+  2    wrong usage
+  4    an image cannot be read, the sizes differ, or a heat map cannot be written";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -46,6 +56,9 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Read scenes and everything they use, and report all mistakes, without rendering.
     Check(CheckArgs),
+    /// Measure how far an image is from a reference, and whether noise explains it.
+    #[command(after_help = COMPARE_EXIT_CODES)]
+    Compare(CompareArgs),
 }
 
 /// Everything `render` can be told.
@@ -234,6 +247,61 @@ pub struct CheckArgs {
     /// What is said meanwhile.
     #[command(flatten)]
     pub terminal: TerminalArgs,
+}
+
+const THRESHOLDS: &str = "Thresholds (exit code 1 beyond one of them)";
+
+/// The arguments of `compare`.
+#[derive(Args, Clone, Debug)]
+pub struct CompareArgs {
+    /// The image to judge: .exr .png .jpg .hdr .ppm and the other formats of textures. Integers are read as sRGB.
+    #[arg(value_name = "IMAGE")]
+    pub image: PathBuf,
+    /// What it should be, of the same size.
+    #[arg(value_name = "REFERENCE")]
+    pub reference: PathBuf,
+    /// How the result is told on standard output: as text, or as one JSON document.
+    #[arg(long, value_name = "FORMAT", default_value = "human", help_heading = OUTPUT)]
+    pub format: ReportFormat,
+    /// Image to write that shows where the differences are: .png, .jpg, .ppm, .exr or .hdr.
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub heatmap: Option<PathBuf>,
+    /// What the heat map shows.
+    #[arg(long, value_name = "KIND", default_value = "flip", requires = "heatmap", help_heading = OUTPUT)]
+    pub heatmap_kind: HeatmapKind,
+    /// Exposure in stops at which pictures are developed for PSNR and FLIP.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true,
+          value_parser = values::finite, help_heading = OUTPUT)]
+    pub exposure: f64,
+    /// Columns and rows of the blocks in which differences are tested against noise: 4 or 8.
+    #[arg(long, value_name = "N", default_value = "8", value_parser = block_side, help_heading = OUTPUT)]
+    pub block_size: u32,
+    /// Largest relative error E, for example 2% or 0.02.
+    #[arg(long, value_name = "SHARE", value_parser = values::share, help_heading = THRESHOLDS)]
+    pub max_e: Option<f64>,
+    /// Largest mean FLIP, from 0 to 1.
+    #[arg(long, value_name = "NUMBER", value_parser = values::factor, help_heading = THRESHOLDS)]
+    pub max_flip: Option<f64>,
+    /// Largest mean HDR-FLIP, from 0 to 1.
+    #[arg(long, value_name = "NUMBER", value_parser = values::factor, help_heading = THRESHOLDS)]
+    pub max_hdr_flip: Option<f64>,
+    /// Largest root mean square error, in the unit of the images.
+    #[arg(long, value_name = "NUMBER", value_parser = values::factor, help_heading = THRESHOLDS)]
+    pub max_rmse: Option<f64>,
+    /// Largest share of blocks that differ beyond noise, for example 0.1%; an image needs its standard errors.
+    #[arg(long, value_name = "SHARE", value_parser = values::share, help_heading = THRESHOLDS)]
+    pub max_blocks: Option<f64>,
+    /// What is said meanwhile.
+    #[command(flatten)]
+    pub terminal: TerminalArgs,
+}
+
+fn block_side(text: &str) -> Result<u32, String> {
+    match text {
+        "4" => Ok(4),
+        "8" => Ok(8),
+        _ => Err("expected 4 or 8".to_owned()),
+    }
 }
 
 fn nets(text: &str) -> Result<u32, String> {

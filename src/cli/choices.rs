@@ -5,10 +5,23 @@ use clap::ValueEnum;
 /// How `check` tells mistakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ReportFormat {
-    /// Text with the source lines.
+    /// Text for people.
     Human,
     /// One JSON document.
     Json,
+}
+
+/// What a heat map of two images shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HeatmapKind {
+    /// FLIP of the developed pictures, 0 to 1.
+    Flip,
+    /// FLIP over all exposures, 0 to 1.
+    HdrFlip,
+    /// Relative error of each pixel, logarithmic from 0.001 to 1.
+    Error,
+    /// Difference over noise in blocks: red brighter, blue darker than the reference, full where it is significant.
+    Z,
 }
 
 /// Formats that can go to standard output.

@@ -1,12 +1,14 @@
 //! The command line: reads flags, calls the library, tells people (or programs) what happened.
 //!
 //! Streams: pictures go to files, or to standard output on request; everything else goes to standard error.
-//! (`check --format json` is the exception: there the report is the product, and goes to standard output.)
+//! (The reports of `compare` and of `check --format json` are the exceptions: they are the product.)
 
 pub mod args;
 pub mod camera;
 pub mod check;
 pub mod choices;
+pub mod compare;
+pub mod compare_report;
 pub mod console;
 pub mod diagnostics;
 pub mod format;
@@ -33,11 +35,13 @@ pub enum Exit {
     Done,
     /// The scene or an input is at fault.
     Scene,
+    /// An image is farther from its reference than allowed.
+    Beyond,
     /// The command line is at fault.
     Usage,
     /// An error goal that was asked for was not reached.
     GoalMissed,
-    /// An image cannot be written.
+    /// An image cannot be written, or (where images are what is read) not be read.
     Output,
     /// The user ended it.
     Interrupted,
@@ -48,7 +52,7 @@ impl Exit {
     pub fn code(self) -> u8 {
         match self {
             Exit::Done => 0,
-            Exit::Scene => 1,
+            Exit::Scene | Exit::Beyond => 1,
             Exit::Usage => 2,
             Exit::GoalMissed => 3,
             Exit::Output => 4,
@@ -76,6 +80,7 @@ pub fn main() -> ExitCode {
     let run = move || match cli.command {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args),
         None => render::run(&cli.render),
     };
     match std::thread::Builder::new().stack_size(STACK).spawn(run) {

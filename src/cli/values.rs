@@ -78,6 +78,15 @@ pub fn error_goal(text: &str) -> Result<f64, String> {
     ))
 }
 
+/// A share ≥ 0 that may be a threshold, from `2%` or `0.02`. A bare number above 1 is refused: it may be meant in percent.
+pub fn share(text: &str) -> Result<f64, String> {
+    let value = percent_or_fraction(text)?;
+    if value >= 0.0 && value.is_finite() && (value <= 1.0 || text.trim().ends_with('%')) {
+        return Ok(value);
+    }
+    Err(format!("`{text}` is not a share of at least 0 %; write 2% or 0.02"))
+}
+
 /// A confidence in (0, 1), from `90`, `90%` or `0.9`.
 pub fn confidence(text: &str) -> Result<f64, String> {
     let mut value = percent_or_fraction(text)?;
@@ -191,6 +200,16 @@ mod tests {
         assert_eq!(error_goal("0.02"), Ok(0.02));
         for wrong in ["2", "0", "-1%", "100%", "x", "nan"] {
             assert!(error_goal(wrong).is_err(), "{wrong} was accepted");
+        }
+    }
+
+    #[test]
+    fn a_share_above_one_needs_its_percent_sign() {
+        for (text, value) in [("2%", 0.02), ("0.02", 0.02), ("0", 0.0), ("1", 1.0), ("150%", 1.5)] {
+            assert_eq!(share(text), Ok(value), "{text}");
+        }
+        for wrong in ["2", "-1%", "x", "nan", "inf", "inf%", "%"] {
+            assert!(share(wrong).is_err(), "{wrong} was accepted");
         }
     }
 

@@ -1,0 +1,19 @@
+//! How far two images are apart, and whether noise explains it.
+//!
+//! [`Image`] is what is compared: linear colour, with the standard error of each pixel where the file has one.
+//! [`metrics::compare`] gives all numbers at once, [`heatmap`] shows where they come from. The pieces, [`flip`] and
+//! [`blocks`], can be used alone. Nothing here renders, and nothing knows how images were made.
+
+pub mod blocks;
+pub mod flip;
+pub mod heatmap;
+mod image;
+pub mod metrics;
+
+pub use image::Image;
+pub use metrics::{CompareError, Metrics, Options, compare, compare_with};
+
+/// Luminance of linear Rec. 709 in f64; exact under scaling by powers of two.
+pub(crate) fn luminance(c: [f32; 3]) -> f64 {
+    0.2126 * f64::from(c[0]) + 0.7152 * f64::from(c[1]) + 0.0722 * f64::from(c[2])
+}
