@@ -7,6 +7,7 @@
 mod channels;
 mod develop;
 mod error;
+pub mod part;
 mod tonemap;
 mod write;
 
