@@ -9,6 +9,15 @@ use clap::ValueEnum;
 /// The words after `pts render`: what was given and what was decided, with the samples that were taken instead
 /// of the stop rules (after an interruption: those that are complete all over the picture). Things that do not change the picture (threads, terminal) are left out.
 pub fn command(args: &RenderArgs, settings: &Settings, spp: u32, with_outputs: bool) -> String {
+    words(args, settings, Some(spp), with_outputs)
+}
+
+/// The words that make all of the picture that a part belongs to, without outputs and the number of samples.
+pub fn picture_command(args: &RenderArgs, settings: &Settings) -> String {
+    words(args, settings, None, false)
+}
+
+fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs: bool) -> String {
     let mut words = vec![
         "pts".to_owned(),
         "render".to_owned(),
@@ -26,7 +35,19 @@ pub fn command(args: &RenderArgs, settings: &Settings, spp: u32, with_outputs: b
         flag("--format", args.output.format.map(|f| f.extension().to_owned()));
     }
     flag("-r", Some(format!("{}x{}", settings.width, settings.height)));
-    flag("--spp", Some(spp.max(1).to_string()));
+    if let Some(spp) = spp.map(|spp| spp.max(1)) {
+        let first = settings.first;
+        match args.parts.samples {
+            Some(_) => flag("--samples", Some(format!("{first}..{}", first + spp))),
+            None => flag("--spp", Some(spp.to_string())),
+        }
+        flag("--tile", args.parts.tile.map(|t| t.to_string()));
+        let region = args
+            .parts
+            .region
+            .map(|r| format!("{},{},{},{}", r.x0, r.y0, r.x1, r.y1));
+        flag("--region", region);
+    }
     let names_seed = args.sampling.seed.is_some() || settings.seed != 0;
     flag("--seed", names_seed.then(|| settings.seed.to_string()));
     flag("--nets", args.sampling.nets.map(|n| n.to_string()));

@@ -64,6 +64,12 @@ pub fn format_of(path: &Path) -> Result<Format, OutputError> {
 /// no directory itself. Asked before rendering.
 pub fn check_target(path: &Path) -> Result<Format, OutputError> {
     let format = format_of(path)?;
+    check_place(path)?;
+    Ok(format)
+}
+
+/// Whether a file of any kind can probably be written here: the directory exists and the path is no directory itself.
+pub fn check_place(path: &Path) -> Result<(), OutputError> {
     let error = |reason: String| OutputError::Io {
         path: path.to_owned(),
         reason,
@@ -75,7 +81,7 @@ pub fn check_target(path: &Path) -> Result<Format, OutputError> {
     if !directory.is_dir() {
         return Err(error(format!("there is no directory {directory:?}; create it first")));
     }
-    Ok(format)
+    Ok(())
 }
 
 /// The bytes of an image file.
