@@ -5,7 +5,7 @@ use super::choices::Aov;
 use super::console::Console;
 use super::outputs::{self, Refusal, Targets};
 use super::progress::error_to_json;
-use super::{Exit, format, parts, signals};
+use super::{Exit, format, parts, replay, signals};
 use crate::output::part::{Part, read_part};
 use crate::render::kernel::PathStats;
 use crate::render::picture::{Channels, NetSums, estimate};
@@ -291,7 +291,7 @@ impl Whole {
         };
         let (frame, shape) = (&self.frame, self.pixels.shape);
         if *frame != Region::whole(shape.width, shape.height) {
-            command += &format!(" --region {},{},{},{}", frame.x0, frame.y0, frame.x1, frame.y1);
+            command += &format!(" --region {}", replay::region_word(frame));
         }
         json!({
             "version": header["version"],
@@ -305,6 +305,7 @@ impl Whole {
             "filter": settings["filter"],
             "direct": settings["direct"],
             "stop": "samples",
+            "error_goal": null,
             "confidence": CONFIDENCE,
             "error": error_to_json(error.as_ref()),
         })
