@@ -8,6 +8,10 @@ use super::values::{self, Resolution};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
+mod parts;
+
+pub use parts::{MergeArgs, PartArgs};
+
 /// A path tracer for scenes written as text (POV-Ray's language, grown), glTF and OBJ, with honest error figures.
 ///
 /// `pts scene.pts` is short for `pts render scene.pts`.
@@ -59,6 +63,9 @@ pub enum Command {
     /// Measure how far an image is from a reference, and whether noise explains it.
     #[command(after_help = COMPARE_EXIT_CODES)]
     Compare(CompareArgs),
+    /// Bring part files (.ptspart) together: the picture is the one that a single render of all samples gives, bit by bit.
+    #[command(after_help = EXIT_CODES)]
+    Merge(MergeArgs),
 }
 
 /// Everything `render` can be told.
@@ -79,6 +86,9 @@ pub struct RenderArgs {
     /// How light is sampled.
     #[command(flatten)]
     pub sampling: SamplingArgs,
+    /// Which part of the picture is rendered.
+    #[command(flatten)]
+    pub parts: PartArgs,
     /// How the scene is read.
     #[command(flatten)]
     pub load: LoadArgs,
@@ -108,7 +118,8 @@ const TERMINAL: &str = "Terminal";
 /// Where pictures go and how they are developed.
 #[derive(Args, Clone, Debug)]
 pub struct OutputArgs {
-    /// Image to write, by extension .png .exr .hdr .jpg or .ppm; - is standard output. Can be repeated.
+    /// Image to write, by extension .png .exr .hdr .jpg or .ppm; - is standard output;
+    /// .ptspart keeps the exact sums for pts merge. Can be repeated.
     /// [default: the scene's name with .png, in the working directory]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub output: Vec<PathBuf>,

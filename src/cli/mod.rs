@@ -6,16 +6,20 @@
 pub mod args;
 pub mod camera;
 pub mod check;
+pub mod checkpoint;
 pub mod choices;
 pub mod compare;
 pub mod compare_report;
 pub mod console;
 pub mod diagnostics;
 pub mod format;
+pub mod merge;
 pub mod metadata;
 pub mod outputs;
+pub mod parts;
 pub mod plan;
 pub mod progress;
+pub mod ranges;
 pub mod render;
 pub mod replay;
 pub mod scene;
@@ -81,6 +85,7 @@ pub fn main() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::Merge(args)) => merge::run(&args),
         None => render::run(&cli.render),
     };
     match std::thread::Builder::new().stack_size(STACK).spawn(run) {

@@ -4,7 +4,8 @@ use super::Exit;
 use super::args::OutputArgs;
 use super::choices::{Aov, ToneMapKind};
 use super::console::Console;
-use crate::output::{self, Develop, Format, Layers, OutputError, ToneMap};
+use crate::output::{self, Develop, Format, Layers, OutputError, ToneMap, part};
+use crate::render::pixels::Rows;
 use crate::render::report::Picture;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -40,8 +41,17 @@ impl Target {
 /// Why outputs are refused before anything is rendered.
 pub type Refusal = (Exit, String);
 
+/// Where everything goes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Targets {
+    /// Images.
+    pub images: Vec<Target>,
+    /// Part files.
+    pub parts: Vec<PathBuf>,
+}
+
 /// All targets, with the default if none is named. Formats are known, directories exist and can be written to.
-pub fn plan(args: &OutputArgs, scene: &Path) -> Result<Vec<Target>, Refusal> {
+pub fn plan(args: &OutputArgs, scene: &Path) -> Result<Targets, Refusal> {
     let usage = |message: &str| Err((Exit::Usage, message.to_owned()));
     let default = [default_output(scene)];
     let paths = if args.output.is_empty() {
@@ -56,9 +66,18 @@ pub fn plan(args: &OutputArgs, scene: &Path) -> Result<Vec<Target>, Refusal> {
         return usage("the same output is named twice");
     }
     let mut targets = Vec::new();
+    let mut parts = Vec::new();
     for path in paths {
+        if part::is_part(path) {
+            check_writable(path)?;
+            parts.push(path.clone());
+            continue;
+        }
         if !is_stdout(path) {
-            let format = output::format_of(path).map_err(|e| (Exit::Usage, e.to_string()))?;
+            let format = output::format_of(path).map_err(|e| {
+                let hint = "; or .ptspart for exact sums";
+                (Exit::Usage, format!("{e}{hint}"))
+            })?;
             check_writable(path)?;
             targets.push(Target::File(path.clone(), format));
             continue;
@@ -72,10 +91,10 @@ pub fn plan(args: &OutputArgs, scene: &Path) -> Result<Vec<Target>, Refusal> {
         let format = output::format_of(&PathBuf::from(format!("stdout.{}", format.extension())));
         targets.push(Target::Stdout(format.map_err(|e| (Exit::Usage, e.to_string()))?));
     }
-    if !args.aov.is_empty() && !targets.iter().any(|t| t.format() == Format::Exr) {
+    if !args.aov.is_empty() && parts.is_empty() && !targets.iter().any(|t| t.format() == Format::Exr) {
         return usage("--aov needs an OpenEXR output, the only one with layers: add -o name.exr");
     }
-    Ok(targets)
+    Ok(Targets { images: targets, parts })
 }
 
 fn is_stdout(path: &Path) -> bool {
@@ -94,9 +113,9 @@ fn default_output(scene: &Path) -> PathBuf {
 }
 
 /// Tries what writing will do later: makes a file in the directory, and removes it.
-fn check_writable(path: &Path) -> Result<(), Refusal> {
+pub fn check_writable(path: &Path) -> Result<(), Refusal> {
     let io = |e: OutputError| (Exit::Output, e.to_string());
-    output::check_target(path).map_err(io)?;
+    output::check_place(path).map_err(io)?;
     if std::fs::metadata(path).is_ok_and(|m| !m.is_file()) {
         return Ok(()); // a pipe or a device: it is written to directly, and opening it has effects
     }
@@ -190,6 +209,19 @@ pub fn write_all(
         }
     }
     let all = written.len() == targets.len();
+    (written, all)
+}
+
+/// Writes every part file, as [`write_all`] does.
+pub fn write_parts(paths: &[PathBuf], header: &Value, rows: &dyn Rows, console: &Console) -> (Vec<String>, bool) {
+    let mut written = Vec::new();
+    for path in paths {
+        match part::write_part(path, header, rows) {
+            Ok(()) => written.push(path.display().to_string()),
+            Err(error) => console.error(&error.to_string()),
+        }
+    }
+    let all = written.len() == paths.len();
     (written, all)
 }
 

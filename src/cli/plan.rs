@@ -1,9 +1,9 @@
 //! Decides what is rendered: the command line over the scene over the built-in defaults.
 
-use super::args::{OutputArgs, QualityArgs, RenderArgs};
+use super::args::{OutputArgs, PartArgs, QualityArgs, RenderArgs};
 use super::choices::{DirectKind, FilterKind, ToneMapKind};
 use super::values::MAX_SPP;
-use crate::render::settings::{Aovs, Direct, Filter, Settings, StopRules};
+use crate::render::settings::{Aovs, Direct, Filter, Region, Settings, StopRules};
 use crate::scene::{self, Aspect, Handedness, RenderDefaults, Scene};
 use std::time::Instant;
 
@@ -53,6 +53,31 @@ pub fn stop_rules(args: &QualityArgs, scene: &RenderDefaults) -> Goal {
     }
 }
 
+/// `--samples`: exactly these, whatever the scene says.
+pub fn exactly(samples: &std::ops::Range<u32>, goal: Goal) -> Goal {
+    Goal {
+        rules: StopRules {
+            spp: samples.end - samples.start,
+            seconds: None,
+            error: None,
+            ..goal.rules
+        },
+        error_was_asked: false,
+    }
+}
+
+/// The pixels to render. An error if they are not in the picture.
+pub fn region(args: &PartArgs, [width, height]: [u32; 2]) -> Result<Region, String> {
+    if let Some(tile) = &args.tile {
+        return tile.region(width, height);
+    }
+    let region = args.region.unwrap_or(Region::whole(width, height));
+    if region.x1 > width || region.y1 > height {
+        return Err(format!("--region ends outside the picture of {width}x{height} pixels"));
+    }
+    Ok(region)
+}
+
 /// Width and height: flags, else the scene's, else by the aspect of a model's camera, else 800×600.
 /// Where only one of both is given the other follows by the aspect of what would have been chosen.
 pub fn resolution(args: &QualityArgs, scene: &Scene) -> [u32; 2] {
@@ -94,6 +119,7 @@ pub fn settings(args: &RenderArgs, scene: &Scene, size: [u32; 2], goal: &Goal, s
     let (sampling, defaults) = (&args.sampling, &scene.defaults);
     let base = Settings::new(size[0], size[1], goal.rules.spp);
     Settings {
+        first: args.parts.samples.as_ref().map_or(0, |s| s.0.start),
         stop: goal.rules,
         seed: sampling.seed.or(defaults.seed).unwrap_or(base.seed),
         nets: sampling.nets.unwrap_or(base.nets),
@@ -131,12 +157,12 @@ fn aovs(output: &OutputArgs) -> Aovs {
     }
 }
 
-/// The tone curve: the flag's, else none for text scenes (they say what they mean) and neutral for bare models.
-pub fn tone_map(args: &OutputArgs, scene: &Scene) -> ToneMapKind {
-    args.tonemap.unwrap_or(match scene.handedness {
+/// The tone curve without a flag: none for text scenes (they say what they mean) and neutral for bare models.
+pub fn scene_tone_map(scene: &Scene) -> ToneMapKind {
+    match scene.handedness {
         Handedness::Left => ToneMapKind::None,
         Handedness::Right => ToneMapKind::Neutral,
-    })
+    }
 }
 
 #[cfg(test)]
@@ -248,9 +274,8 @@ mod tests {
     #[test]
     fn bare_models_are_tone_mapped_and_text_scenes_are_not() {
         let mut scene = Scene::default();
-        assert_eq!(tone_map(&args("").output, &scene), ToneMapKind::None);
+        assert_eq!(scene_tone_map(&scene), ToneMapKind::None);
         scene.handedness = Handedness::Right;
-        assert_eq!(tone_map(&args("").output, &scene), ToneMapKind::Neutral);
-        assert_eq!(tone_map(&args("--tonemap agx").output, &scene), ToneMapKind::Agx);
+        assert_eq!(scene_tone_map(&scene), ToneMapKind::Neutral);
     }
 }

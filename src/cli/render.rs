@@ -2,21 +2,24 @@
 
 use super::args::RenderArgs;
 use super::console::Console;
-use super::outputs::{self, Target};
+use super::outputs::{self, Targets};
+use super::parts::{self, Display};
 use super::plan::{self, Goal};
 use super::progress::Meter;
 use super::summary::{Summary, is_goal_missed};
-use super::{Exit, format, metadata, replay, scene, signals};
+use super::{Exit, checkpoint, format, metadata, replay, scene, signals};
 use crate::compile::compile;
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
+use crate::output::part::Part;
 use crate::output::{Develop, Format};
-use crate::render::driver;
-use crate::render::report::{Picture, Report, StopReason};
+use crate::render::driver::{self, Checkpoint, Continuity, Rendered};
+use crate::render::report::StopReason;
 use crate::render::scene::CompiledScene;
 use crate::render::settings::Settings;
+use crate::render::tiles::Tiles;
 use metadata::HashingFiles;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -30,6 +33,8 @@ struct Job {
     goal: Goal,
     develop: Develop,
     hash: String,
+    /// What part files say of the picture.
+    header: Value,
 }
 
 /// Runs the command.
@@ -48,21 +53,58 @@ pub fn run(args: &RenderArgs) -> Exit {
         Ok(job) => job,
         Err(exit) => return exit,
     };
-    announce(args, &job, &console);
+    let (kept, rendered) = match trace(args, &job, console) {
+        Ok(done) => done,
+        Err((exit, message)) => {
+            console.error(&message);
+            return exit;
+        }
+    };
+    conclude(args, &job, &targets, kept, rendered, &console)
+}
+
+/// Renders, from the checkpoint on if there is one. Returns the header of the sums and what was rendered.
+fn trace(args: &RenderArgs, job: &Job, console: Console) -> Result<(Value, Rendered), outputs::Refusal> {
+    let kept = checkpoint::resume(&args.parts, &job.header, &console)?;
+    announce(args, job, &console);
     signals::rendering_begins();
+    let header = kept.as_ref().map_or(&job.header, |part: &Part| &part.header);
+    let path = args.parts.checkpoint.as_slice();
+    let save = |tiles: &Tiles| {
+        outputs::write_parts(path, &header_of(header, tiles), tiles, &console);
+    };
     let meter = Meter::new(console);
-    let (picture, report) = driver::render(&job.compiled, &job.settings, &meter);
+    let continuity = Continuity {
+        kept: kept.as_ref().map(|part| &part.pixels),
+        checkpoint: args.parts.checkpoint.is_some().then_some(Checkpoint {
+            every: checkpoint::interval(&args.parts),
+            save: &save,
+        }),
+    };
+    let rendered = driver::render_on(&job.compiled, &job.settings, &meter, continuity);
     meter.finish();
-    conclude(args, &job, &targets, picture, &report, &console)
+    match (rendered, path.first()) {
+        (Ok(rendered), _) => Ok((header_of(header, &rendered.tiles), rendered)),
+        (Err(misfit), Some(path)) => Err(checkpoint::cannot_resume(path, &misfit)),
+        (Err(misfit), None) => Err((Exit::Scene, misfit.to_string())),
+    }
+}
+
+/// The header of the sums so far, whose beginning had the header `before`.
+fn header_of(before: &Value, tiles: &Tiles) -> Value {
+    let mut header = before.clone();
+    parts::add_stats(&mut header, &tiles.stats());
+    header
 }
 
 /// Everything that can be wrong without looking at the scene.
-fn prepare(args: &RenderArgs) -> Result<Vec<Target>, outputs::Refusal> {
+fn prepare(args: &RenderArgs) -> Result<Targets, outputs::Refusal> {
     if args.sampling.nets == Some(1) && args.quality.error.is_some() {
         let message = "--error needs several sample nets to estimate the error from: leave --nets 1 out";
         return Err((Exit::Usage, message.to_owned()));
     }
     let targets = outputs::plan(&args.output, args.scene())?;
+    checkpoint::check(&args.parts)?;
     if let Some(threads) = args.sampling.threads {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads as usize)
@@ -142,8 +184,16 @@ fn build<F: Files>(
         return Err((Exit::Usage, message));
     }
     scene::finish(&mut scene, &args.view, size, console, diags);
-    let goal = plan::stop_rules(quality, &scene.defaults);
-    let settings = plan::settings(args, &scene, size, &goal, started);
+    let mut goal = plan::stop_rules(quality, &scene.defaults);
+    if let Some(samples) = &args.parts.samples {
+        goal = plan::exactly(&samples.0, goal);
+    }
+    if args.parts.tile.is_some() && (goal.rules.error.is_some() || goal.rules.seconds.is_some()) {
+        let message = "--tile needs as many samples in each tile: add --spp N or --samples A..B";
+        return Err((Exit::Usage, message.to_owned()));
+    }
+    let mut settings = plan::settings(args, &scene, size, &goal, started);
+    settings.region = plan::region(&args.parts, size).map_err(|message| (Exit::Usage, message))?;
     if settings.nets == 1 && goal.error_was_asked {
         let message =
             "the scene has an error goal, which --nets 1 cannot estimate: add --spp or --time, or leave --nets 1 out";
@@ -160,16 +210,19 @@ fn build<F: Files>(
         "compiled it in {}",
         format::duration(compiling.elapsed().as_secs_f64())
     ));
+    let display = Display {
+        tonemap: plan::scene_tone_map(&scene),
+        linear: scene.display_is_linear,
+    };
+    let curve = args.output.tonemap.unwrap_or(display.tonemap);
+    let hash = files.scene_hash(args);
     Ok(Some(Job {
         compiled,
-        develop: outputs::develop(
-            &args.output,
-            plan::tone_map(&args.output, &scene),
-            scene.display_is_linear,
-        ),
+        develop: outputs::develop(&args.output, curve, display.linear),
+        header: parts::header(args, &hash, &settings, display),
         settings,
         goal,
-        hash: files.scene_hash(args),
+        hash,
     }))
 }
 
@@ -204,22 +257,29 @@ fn announce(args: &RenderArgs, job: &Job, console: &Console) {
 fn conclude(
     args: &RenderArgs,
     job: &Job,
-    targets: &[Target],
-    picture: Picture,
-    report: &Report,
+    targets: &Targets,
+    header: Value,
+    rendered: Rendered,
     console: &Console,
 ) -> Exit {
+    let (picture, mut report, tiles) = (rendered.picture, rendered.report, rendered.tiles);
+    report.anomalies = parts::anomalies(&header); // of all samples, also of those before a checkpoint
+    let report = &report;
     let interrupted = report.stop == StopReason::Interrupted;
-    let (written, all_written) = if interrupted && report.samples == 0 {
+    let (written, all_written) = if interrupted && tiles.samples().1 == 0 {
         console.warn("interrupted before the first sample: nothing is written");
         (Vec::new(), true)
     } else {
+        let paths = [&targets.parts[..], args.parts.checkpoint.as_slice()].concat();
+        let (parts_written, parts_done) = outputs::write_parts(&paths, &header, &tiles, console);
+        drop(tiles);
         let layers = outputs::layers(picture, &args.output.aov);
         let describe = |format: Format| {
             // Only OpenEXR files tell the time, so that two runs give the same PNG byte by byte.
             metadata::describe(args, &job.hash, &job.settings, &job.goal, report, format == Format::Exr)
         };
-        outputs::write_all(targets, &layers, &job.develop, describe, console)
+        let (written, images_done) = outputs::write_all(&targets.images, &layers, &job.develop, describe, console);
+        ([written, parts_written].concat(), images_done && parts_done)
     };
     let exit = if !all_written {
         Exit::Output

@@ -3,12 +3,21 @@
 use super::args::RenderArgs;
 use super::format::shell_word;
 use super::metadata::filter_word;
-use crate::render::settings::Settings;
+use crate::render::settings::{Region, Settings};
 use clap::ValueEnum;
 
 /// The words after `pts render`: what was given and what was decided, with the samples that were taken instead
 /// of the stop rules (after an interruption: those that are complete all over the picture). Things that do not change the picture (threads, terminal) are left out.
 pub fn command(args: &RenderArgs, settings: &Settings, spp: u32, with_outputs: bool) -> String {
+    words(args, settings, Some(spp), with_outputs)
+}
+
+/// The words that make all of the picture that a part belongs to, without outputs and the number of samples.
+pub fn picture_command(args: &RenderArgs, settings: &Settings) -> String {
+    words(args, settings, None, false)
+}
+
+fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs: bool) -> String {
     let mut words = vec![
         "pts".to_owned(),
         "render".to_owned(),
@@ -26,7 +35,6 @@ pub fn command(args: &RenderArgs, settings: &Settings, spp: u32, with_outputs: b
         flag("--format", args.output.format.map(|f| f.extension().to_owned()));
     }
     flag("-r", Some(format!("{}x{}", settings.width, settings.height)));
-    flag("--spp", Some(spp.max(1).to_string()));
     let names_seed = args.sampling.seed.is_some() || settings.seed != 0;
     flag("--seed", names_seed.then(|| settings.seed.to_string()));
     flag("--nets", args.sampling.nets.map(|n| n.to_string()));
@@ -59,8 +67,28 @@ pub fn command(args: &RenderArgs, settings: &Settings, spp: u32, with_outputs: b
     if args.output.no_dither {
         words.push("--no-dither".to_owned());
     }
+    if let Some(spp) = spp {
+        words.extend(part_words(args, settings, spp.max(1)));
+    }
     let quoted: Vec<String> = words.iter().map(|w| shell_word(w)).collect();
     quoted.join(" ")
+}
+
+/// Which samples of which pixels.
+fn part_words(args: &RenderArgs, settings: &Settings, spp: u32) -> Vec<String> {
+    let (parts, first) = (&args.parts, settings.first);
+    let samples = match parts.samples {
+        Some(_) => ["--samples".to_owned(), format!("{first}..{}", first + spp)],
+        None => ["--spp".to_owned(), spp.to_string()],
+    };
+    let tile = parts.tile.map(|t| ["--tile".to_owned(), t.to_string()]);
+    let region = parts.region.map(|r| ["--region".to_owned(), region_word(&r)]);
+    std::iter::once(samples).chain(tile).chain(region).flatten().collect()
+}
+
+/// `x0,y0,x1,y1`.
+pub fn region_word(r: &Region) -> String {
+    format!("{},{},{},{}", r.x0, r.y0, r.x1, r.y1)
 }
 
 /// The word of a flag's value on the command line.

@@ -1,6 +1,7 @@
 //! Arithmetic shared by all layers: frames, sampling maps, robust forms, portable functions, statistics.
 
 pub mod color;
+pub mod fnv;
 pub mod frame;
 pub mod portable;
 pub mod robust;

@@ -7,6 +7,7 @@
 mod channels;
 mod develop;
 mod error;
+pub mod part;
 mod tonemap;
 mod write;
 
@@ -14,4 +15,4 @@ pub use channels::Layers;
 pub use develop::{AlphaUse, Develop, develop};
 pub use error::OutputError;
 pub use tonemap::ToneMap;
-pub use write::{Encoded, Format, check_target, encode, format_of, write, write_bytes};
+pub use write::{Encoded, Format, check_place, check_target, encode, format_of, write, write_bytes};

@@ -64,6 +64,12 @@ pub fn format_of(path: &Path) -> Result<Format, OutputError> {
 /// no directory itself. Asked before rendering.
 pub fn check_target(path: &Path) -> Result<Format, OutputError> {
     let format = format_of(path)?;
+    check_place(path)?;
+    Ok(format)
+}
+
+/// Whether a file of any kind can probably be written here: the directory exists and the path is no directory itself.
+pub fn check_place(path: &Path) -> Result<(), OutputError> {
     let error = |reason: String| OutputError::Io {
         path: path.to_owned(),
         reason,
@@ -75,7 +81,7 @@ pub fn check_target(path: &Path) -> Result<Format, OutputError> {
     if !directory.is_dir() {
         return Err(error(format!("there is no directory {directory:?}; create it first")));
     }
-    Ok(format)
+    Ok(())
 }
 
 /// The bytes of an image file.
@@ -148,14 +154,19 @@ pub fn write(path: &Path, layers: &Layers, how: &Develop, metadata: &serde_json:
 /// Puts a file in place whole: the bytes go to a temporary file of the same directory, which is then renamed.
 /// Links are followed; what is no regular file (a pipe, a device) is written to directly.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    write_with(path, |file| file.write_all(bytes))
+}
+
+/// As [`write_bytes`], with the bytes written by `fill`.
+pub(super) fn write_with(path: &Path, fill: impl Fn(&mut fs::File) -> std::io::Result<()>) -> Result<(), OutputError> {
     let result = match fs::metadata(path) {
         Ok(meta) if meta.is_dir() => Err(std::io::Error::other("it is a directory, expected a file name")),
         Ok(meta) if !meta.is_file() => fs::OpenOptions::new()
             .write(true)
             .open(path)
-            .and_then(|mut f| f.write_all(bytes)),
-        Ok(meta) => fs::canonicalize(path).and_then(|real| replace(&real, bytes, Some(meta.permissions()))),
-        Err(_) => replace(path, bytes, None),
+            .and_then(|mut f| fill(&mut f)),
+        Ok(meta) => fs::canonicalize(path).and_then(|real| replace(&real, fill, Some(meta.permissions()))),
+        Err(_) => replace(path, fill, None),
     };
     result.map_err(|e| OutputError::Io {
         path: path.to_owned(),
@@ -166,7 +177,11 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     })
 }
 
-fn replace(path: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> std::io::Result<()> {
+fn replace(
+    path: &Path,
+    fill: impl Fn(&mut fs::File) -> std::io::Result<()>,
+    permissions: Option<fs::Permissions>,
+) -> std::io::Result<()> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".").suffix(".pts.tmp");
     #[cfg(unix)]
@@ -176,8 +191,7 @@ fn replace(path: &Path, bytes: &[u8], permissions: Option<fs::Permissions>) -> s
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(directory_of(path))?;
-    file.write_all(bytes)?;
-    file.flush()?;
+    fill(file.as_file_mut())?;
     if let Some(permissions) = permissions {
         file.as_file().set_permissions(permissions)?;
     }

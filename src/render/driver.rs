@@ -1,106 +1,125 @@
 //! Runs a render: passes over tiles until a stop rule is met, then the picture.
 
 use super::camera::FilterSampler;
-use super::estimate::{ErrorSums, standard_error};
-use super::film::TileFilm;
 use super::kernel::{Kernel, PathStats};
+use super::picture::Channels;
+use super::pixels::Pixels;
 use super::report::{Anomalies, ErrorEstimate, Observer, Picture, Progress, Report, StopReason};
 use super::scene::CompiledScene;
-use super::settings::{Aovs, Settings};
-use crate::math::color::luminance;
+use super::settings::Settings;
+use super::tiles::{Misfit, Tile, Tiles};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Side of a tile in pixels: small enough that an interruption is answered at once.
-const TILE: u32 = 16;
 /// No pass is longer than this, so that interruptions and time limits are met.
 const LONGEST_PASS: u32 = 1024;
 /// The first look at the error.
 const FIRST_LOOK: u32 = 64;
 
-/// One tile: its place and its sums.
-struct Tile {
-    x0: u32,
-    y0: u32,
-    width: u32,
-    height: u32,
-    film: TileFilm,
-    stats: PathStats,
+/// Where to begin, and where to keep what has been done.
+#[derive(Default)]
+pub struct Continuity<'a> {
+    /// Sums of an earlier render of the same picture.
+    pub kept: Option<&'a Pixels>,
+    /// Keeps the sums now and then.
+    pub checkpoint: Option<Checkpoint<'a>>,
 }
 
-/// Offsets of the extra layers among the channels of a sample.
+/// Keeps the sums of a running render.
 #[derive(Clone, Copy)]
-struct Channels {
-    depth: Option<usize>,
-    normal: Option<usize>,
-    albedo: Option<usize>,
-    count: usize,
+pub struct Checkpoint<'a> {
+    /// How often.
+    pub every: Duration,
+    /// What keeps them. Nothing is rendered meanwhile.
+    pub save: &'a dyn Fn(&Tiles),
 }
 
-impl Channels {
-    fn new(aovs: Aovs) -> Channels {
-        let mut count = 3;
-        let mut take = |wanted: bool, n: usize| {
-            let at = wanted.then_some(count);
-            count += if wanted { n } else { 0 };
-            at
-        };
-        // Depth is a sum and the number of samples that hit something.
-        let (depth, normal, albedo) = (take(aovs.depth, 2), take(aovs.normal, 3), take(aovs.albedo, 3));
-        Channels {
-            depth,
-            normal,
-            albedo,
-            count,
-        }
-    }
+/// What a render gives.
+pub struct Rendered {
+    /// The picture.
+    pub picture: Picture,
+    /// What was done.
+    pub report: Report,
+    /// The sums behind the picture.
+    pub tiles: Tiles,
 }
 
 /// Renders a scene on the current thread pool. The picture depends on scene and settings only, not on threads
 /// or time, except that a time limit or an interruption decides how many samples there are.
 pub fn render(scene: &CompiledScene, settings: &Settings, observer: &dyn Observer) -> (Picture, Report) {
+    let tiles = Tiles::new(settings);
+    let rendered = render_tiles(scene, settings, observer, tiles, None);
+    (rendered.picture, rendered.report)
+}
+
+/// As [`render`], going on from where an earlier render ended. Interrupted and continued or not: the bits are the same.
+pub fn render_on(
+    scene: &CompiledScene,
+    settings: &Settings,
+    observer: &dyn Observer,
+    continuity: Continuity,
+) -> Result<Rendered, Misfit> {
+    let tiles = match continuity.kept {
+        Some(kept) => Tiles::restore(settings, kept)?,
+        None => Tiles::new(settings),
+    };
+    Ok(render_tiles(scene, settings, observer, tiles, continuity.checkpoint))
+}
+
+fn render_tiles(
+    scene: &CompiledScene,
+    settings: &Settings,
+    observer: &dyn Observer,
+    mut tiles: Tiles,
+    checkpoint: Option<Checkpoint>,
+) -> Rendered {
     let begun = Instant::now();
-    let channels = Channels::new(settings.aovs);
+    let (kept, most) = tiles.samples();
+    let before = |t: &Tile| u64::from(t.width * t.height) * u64::from(t.film.samples());
     let run = Run {
         scene,
         settings,
         observer,
-        channels,
+        channels: Channels::new(settings.aovs),
         kernel: Kernel::new(scene, settings),
         filter: FilterSampler::new(settings.filter),
         begun,
+        kept,
+        samples_before: tiles.all.iter().map(before).sum(),
         samples: AtomicU64::new(0),
         stopped: AtomicBool::new(false),
         error: Mutex::new(None),
+        checkpoint: checkpoint.map(|c| c.every),
+        saved: Mutex::new(begun),
+        save_due: AtomicBool::new(false),
     };
-    let mut tiles = run.tiles();
-    let mut spp = 0;
+    let mut spp = kept;
+    // An interruption may have left a pass half done: that pass comes first.
+    let mut half_done = (most > kept).then_some(most);
     let stop = loop {
-        let Some(end) = run.next_pass(spp) else {
-            break if spp >= settings.stop.spp {
-                StopReason::Samples
-            } else {
-                StopReason::Time
-            };
-        };
-        run.pass(&mut tiles, spp, end);
-        if run.stopped.load(Ordering::Relaxed) {
-            break StopReason::Interrupted;
-        }
-        spp = end;
         if let Some(found) = run.look(&tiles, spp) {
             run.tell(spp);
             if settings.stop.error.is_some_and(|goal| found.bound <= goal) {
                 break StopReason::Error;
             }
         }
+        let Some(end) = half_done.take().or_else(|| run.next_pass(spp)) else {
+            break if spp >= settings.stop.spp {
+                StopReason::Samples
+            } else {
+                StopReason::Time
+            };
+        };
+        run.pass(&mut tiles, spp, end, checkpoint.map(|c| c.save));
+        if run.stopped.load(Ordering::Relaxed) {
+            break StopReason::Interrupted;
+        }
+        spp = end;
     };
-    let mut stats = PathStats::default();
-    tiles.iter().for_each(|t| stats.add(&t.stats));
-    let picture = run.picture(&tiles);
+    let stats = tiles.stats();
     let report = Report {
         stop,
         spp,
@@ -110,7 +129,11 @@ pub fn render(scene: &CompiledScene, settings: &Settings, observer: &dyn Observe
         error: run.look(&tiles, spp),
         anomalies: stats.anomalies,
     };
-    (picture, report)
+    Rendered {
+        picture: tiles.picture(),
+        report,
+        tiles,
+    }
 }
 
 /// What all threads of a render share.
@@ -122,31 +145,19 @@ struct Run<'a> {
     kernel: Kernel<'a>,
     filter: FilterSampler,
     begun: Instant,
+    /// Samples per pixel, and of all pixels, that there were at the beginning.
+    kept: u32,
+    samples_before: u64,
     samples: AtomicU64,
     stopped: AtomicBool,
     error: Mutex<Option<(ErrorEstimate, u32)>>,
+    /// How often the sums are kept, when they were, and whether it is time again.
+    checkpoint: Option<Duration>,
+    saved: Mutex<Instant>,
+    save_due: AtomicBool,
 }
 
 impl Run<'_> {
-    fn tiles(&self) -> Vec<Tile> {
-        let (w, h) = (self.settings.width, self.settings.height);
-        let rows = (0..h).step_by(TILE as usize);
-        let places = rows.flat_map(|y| (0..w).step_by(TILE as usize).map(move |x| (x, y)));
-        places
-            .map(|(x0, y0)| {
-                let (width, height) = (TILE.min(w - x0), TILE.min(h - y0));
-                Tile {
-                    x0,
-                    y0,
-                    width,
-                    height,
-                    film: TileFilm::new((width * height) as usize, self.settings.nets, self.channels.count),
-                    stats: PathStats::default(),
-                }
-            })
-            .collect()
-    }
-
     /// Where the next pass ends; `None` when the samples or the time are used up. Passes double, so that the
     /// first pictures come early; with an error goal they end at the looks 64, 80, 96, 112, 128, 160, …
     fn next_pass(&self, spp: u32) -> Option<u32> {
@@ -156,6 +167,8 @@ impl Run<'_> {
         }
         let wanted = if spp == 0 {
             1
+        } else if stop.seconds.is_some() && spp == self.kept {
+            spp.saturating_add(1) // the first pass after a pause tells how long a sample takes
         } else if stop.error.is_some() && spp >= FIRST_LOOK {
             let octave = 1u32 << spp.ilog2();
             spp.saturating_add(octave / 4)
@@ -164,10 +177,10 @@ impl Run<'_> {
         };
         let mut end = wanted.min(spp.saturating_add(LONGEST_PASS)).min(stop.spp);
         if let Some(limit) = stop.seconds
-            && spp > 0
+            && spp > self.kept
         {
             let left = limit - self.settings.started.elapsed().as_secs_f64() - self.writing_reserve();
-            let per_sample = self.begun.elapsed().as_secs_f64() / f64::from(spp);
+            let per_sample = self.begun.elapsed().as_secs_f64() / f64::from(spp - self.kept);
             let fits = (left / per_sample).floor();
             if fits < 1.0 {
                 return None;
@@ -182,20 +195,41 @@ impl Run<'_> {
         f64::from(self.settings.width) * f64::from(self.settings.height) * 3e-7
     }
 
-    /// Takes samples `from..to` of every pixel. A tile is finished or left as it was.
-    fn pass(&self, tiles: &mut [Tile], from: u32, to: u32) {
-        tiles.par_iter_mut().for_each(|tile| {
-            if self.stopped.load(Ordering::Relaxed) {
+    /// Takes all samples up to number `to` of every pixel; `from` are complete. A tile is finished or left as it was.
+    fn pass(&self, tiles: &mut Tiles, from: u32, to: u32, save: Option<&dyn Fn(&Tiles)>) {
+        loop {
+            tiles.all.par_iter_mut().for_each(|tile| {
+                let taken = tile.film.samples();
+                if taken >= to || self.stopped.load(Ordering::Relaxed) || self.save_due.load(Ordering::Relaxed) {
+                    return;
+                }
+                self.trace_tile(tile, to);
+                let taken = u64::from(tile.width * tile.height) * u64::from(to - taken);
+                self.samples.fetch_add(taken, Ordering::Relaxed);
+                self.tell(from);
+                self.look_at_the_clock();
+                if self.observer.should_stop() {
+                    self.stopped.store(true, Ordering::Relaxed);
+                }
+            });
+            let stopped = self.stopped.load(Ordering::Relaxed);
+            // Who ends keeps the sums at the end anyway.
+            if self.save_due.swap(false, Ordering::Relaxed) && !stopped {
+                save.into_iter().for_each(|save| save(tiles));
+                *self.saved.lock().unwrap_or_else(|e| e.into_inner()) = Instant::now();
+            }
+            if stopped || tiles.all.iter().all(|t| t.film.samples() >= to) {
                 return;
             }
-            self.trace_tile(tile, to);
-            let taken = u64::from(tile.width * tile.height) * u64::from(to - from);
-            self.samples.fetch_add(taken, Ordering::Relaxed);
-            self.tell(from);
-            if self.observer.should_stop() {
-                self.stopped.store(true, Ordering::Relaxed);
-            }
-        });
+        }
+    }
+
+    fn look_at_the_clock(&self) {
+        if let Some(every) = self.checkpoint
+            && self.saved.lock().unwrap_or_else(|e| e.into_inner()).elapsed() >= every
+        {
+            self.save_due.store(true, Ordering::Relaxed);
+        }
     }
 
     fn trace_tile(&self, tile: &mut Tile, to: u32) {
@@ -208,7 +242,7 @@ impl Run<'_> {
             ..
         } = tile;
         let (w, h) = (f64::from(self.settings.width), f64::from(self.settings.height));
-        film.extend(to, |pixel, index, out| {
+        film.extend(self.settings.first + to, |pixel, index, out| {
             let (x, y) = (*x0 + pixel as u32 % *width, *y0 + pixel as u32 / *width);
             let sampler = self.kernel.sampler(y * self.settings.width + x, index);
             let path = self.kernel.trace(&sampler, stats, |u| {
@@ -235,9 +269,9 @@ impl Run<'_> {
         });
     }
 
-    /// Estimates the error after a pass: with a goal at every look, otherwise whenever the samples doubled.
-    fn look(&self, tiles: &[Tile], spp: u32) -> Option<ErrorEstimate> {
-        if spp < FIRST_LOOK || self.settings.nets < 2 || tiles.iter().any(|t| t.film.samples() != spp) {
+    /// Estimates the error after a pass; `None` where it cannot be known.
+    fn look(&self, tiles: &Tiles, spp: u32) -> Option<ErrorEstimate> {
+        if spp < FIRST_LOOK || self.settings.nets < 2 || tiles.samples() != (spp, spp) {
             return None;
         }
         let mut last = self.error.lock().unwrap_or_else(|e| e.into_inner());
@@ -246,58 +280,16 @@ impl Run<'_> {
         {
             return Some(found);
         }
-        let total: f64 = tiles
-            .par_iter()
-            .map(|t| self.tile_luminance(t))
-            .collect::<Vec<f64>>()
-            .iter()
-            .sum();
-        let mean = total / (f64::from(self.settings.width) * f64::from(self.settings.height));
-        let mut sums = ErrorSums::new(mean, tiles.len());
-        let mut means = vec![[0.0; 3]; self.settings.nets as usize];
-        for (block, tile) in tiles.iter().enumerate() {
-            for pixel in 0..(tile.width * tile.height) as usize {
-                self.net_means(tile, pixel, &mut means);
-                sums.add(block, &means);
-            }
-        }
-        let found = sums.estimate(self.settings.stop.confidence);
+        let found = tiles.error(self.settings.stop.confidence);
         *last = Some((found, spp));
         Some(found)
     }
 
-    fn tile_luminance(&self, tile: &Tile) -> f64 {
-        (0..(tile.width * tile.height) as usize)
-            .map(|p| f64::from(luminance(Vec3::from_array(self.mean(tile, p, 0)))))
-            .sum()
-    }
-
-    /// Colour means of each net; only for sample counts that give every net as many points.
-    fn net_means(&self, tile: &Tile, pixel: usize, means: &mut [[f64; 3]]) {
-        let mut sum = vec![0.0; self.channels.count];
-        for (net, mean) in means.iter_mut().enumerate() {
-            let points = tile.film.net_sum(pixel, net as u32, &mut sum);
-            *mean = std::array::from_fn(|c| sum[c] / f64::from(points));
-        }
-    }
-
-    /// The mean of three channels from `at` on over all samples of a pixel; black without samples.
-    fn mean(&self, tile: &Tile, pixel: usize, at: usize) -> [f32; 3] {
-        let mut total = [0.0; 3];
-        let mut sum = vec![0.0; self.channels.count];
-        for net in 0..self.settings.nets {
-            tile.film.net_sum(pixel, net, &mut sum);
-            total.iter_mut().zip(&sum[at..]).for_each(|(t, s)| *t += s);
-        }
-        let n = f64::from(tile.film.samples());
-        total.map(|t| if n > 0.0 { (t / n) as f32 } else { 0.0 })
-    }
-
     fn tell(&self, spp: u32) {
         let stop = &self.settings.stop;
-        let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
+        let pixels = self.settings.region.pixels();
         let samples = self.samples.load(Ordering::Relaxed);
-        let at_most = pixels * u64::from(stop.spp);
+        let at_most = pixels * u64::from(stop.spp) - self.samples_before;
         let elapsed = self.begun.elapsed().as_secs_f64();
         let since_start = self.settings.started.elapsed().as_secs_f64();
         let error = self
@@ -305,7 +297,7 @@ impl Run<'_> {
             .lock()
             .unwrap_or_else(|e| e.into_inner())
             .map(|(e, at)| (e, at));
-        let mut fraction = samples as f64 / at_most as f64;
+        let mut fraction = samples as f64 / at_most.max(1) as f64;
         let mut remaining = if samples > 0 {
             elapsed / samples as f64 * (at_most - samples) as f64
         } else {
@@ -318,8 +310,8 @@ impl Run<'_> {
         if let (Some(goal), Some((found, at))) = (stop.error, error) {
             // Noise falls like the square root of the samples; better than that is a gift.
             let ratio = found.bound / goal;
-            let needed = f64::from(at) * ratio * ratio * pixels as f64;
-            fraction = fraction.max((samples as f64 / needed).min(0.99));
+            let needed = f64::from(at) * ratio * ratio * pixels as f64 - self.samples_before as f64;
+            fraction = fraction.max((samples as f64 / needed).clamp(0.0, 0.99));
             remaining = remaining.min(elapsed / samples as f64 * (needed - samples as f64).max(0.0));
         }
         self.observer.progress(&Progress {
@@ -331,58 +323,6 @@ impl Run<'_> {
             remaining: remaining.is_finite().then_some(remaining.max(0.0)),
             error: error.map(|(e, _)| e),
         });
-    }
-
-    fn picture(&self, tiles: &[Tile]) -> Picture {
-        let (w, h) = (self.settings.width, self.settings.height);
-        let n = w as usize * h as usize;
-        let mut picture = Picture {
-            width: w,
-            height: h,
-            rgb: vec![[0.0; 3]; n],
-            stderr: vec![[f32::NAN; 3]; n],
-            samples: vec![0; n],
-            depth: self.channels.depth.map(|_| vec![f32::INFINITY; n]),
-            normal: self.channels.normal.map(|_| vec![[0.0; 3]; n]),
-            albedo: self.channels.albedo.map(|_| vec![[0.0; 3]; n]),
-        };
-        let mut means = vec![[0.0; 3]; self.settings.nets as usize];
-        for tile in tiles {
-            for pixel in 0..(tile.width * tile.height) as usize {
-                let (x, y) = (tile.x0 + pixel as u32 % tile.width, tile.y0 + pixel as u32 / tile.width);
-                let at = (y * w + x) as usize;
-                let samples = tile.film.samples();
-                picture.rgb[at] = self.mean(tile, pixel, 0);
-                picture.samples[at] = samples;
-                if samples >= 16 {
-                    self.net_means(tile, pixel, &mut means);
-                    picture.stderr[at] = standard_error(&means);
-                }
-                if let (Some(layer), Some(c)) = (&mut picture.depth, self.channels.depth) {
-                    let [sum, hits, _] = self.mean_pair(tile, pixel, c);
-                    layer[at] = if hits > 0.0 { sum / hits } else { f32::INFINITY };
-                }
-                if let (Some(layer), Some(c)) = (&mut picture.normal, self.channels.normal) {
-                    let n = Vec3::from_array(self.mean(tile, pixel, c));
-                    layer[at] = crate::math::robust::try_normalize(n).unwrap_or(Vec3::ZERO).to_array();
-                }
-                if let (Some(layer), Some(c)) = (&mut picture.albedo, self.channels.albedo) {
-                    layer[at] = self.mean(tile, pixel, c);
-                }
-            }
-        }
-        picture
-    }
-
-    fn mean_pair(&self, tile: &Tile, pixel: usize, at: usize) -> [f32; 3] {
-        let mut total = [0.0f64; 3];
-        let mut sum = vec![0.0; self.channels.count];
-        for net in 0..self.settings.nets {
-            tile.film.net_sum(pixel, net, &mut sum);
-            total[0] += sum[at];
-            total[1] += sum[at + 1];
-        }
-        total.map(|t| t as f32)
     }
 }
 

@@ -3,115 +3,127 @@
 //! Each net of each pixel is summed in f64 in a fixed binary tree over the absolute point number j: sixteen
 //! consecutive points are a leaf, two equal subtrees make the next level. A prefix of the points is then a
 //! few maximal subtrees plus an unfinished leaf, which is all that is kept between passes. Whatever the
-//! passes were, the same samples give the same bits.
+//! passes were, the same samples give the same bits. [`range`] says how that holds for ranges that do not begin at 0.
 
-/// Points in a leaf of the tree.
-const LEAF: u32 = 16;
+pub mod range;
 
-/// How many sums a prefix of `points` points is made of: one for each maximal subtree, one for an unfinished leaf.
-fn parts(points: u32) -> usize {
-    (points / LEAF).count_ones() as usize + usize::from(!points.is_multiple_of(LEAF))
-}
+use range::{Accumulator, Layout, add_total, net_range};
+use std::ops::Range;
 
-/// Points that net `net` of `nets` has among the first `samples` samples.
-pub fn net_points(samples: u32, net: u32, nets: u32) -> u32 {
-    samples / nets + u32::from(net < samples % nets)
-}
-
-/// The sums of one tile: for each pixel, net and part a vector of `channels` numbers.
+/// The sums of one tile over a range of samples: for each pixel, net and part a vector of `channels` numbers.
 #[derive(Clone, Debug, Default)]
 pub struct TileFilm {
     pixels: usize,
     nets: u32,
     channels: usize,
     /// Samples of each pixel so far.
-    samples: u32,
-    /// Parts kept per net; the largest number any net needs.
+    range: Range<u32>,
+    /// Vectors kept per net; the largest number any net needs.
     stride: usize,
     sums: Vec<f64>,
 }
 
 impl TileFilm {
-    /// Empty sums.
-    pub fn new(pixels: usize, nets: u32, channels: usize) -> TileFilm {
+    /// Empty sums of samples from `first` on.
+    pub fn new(pixels: usize, nets: u32, channels: usize, first: u32) -> TileFilm {
         TileFilm {
             pixels,
             nets,
             channels,
-            samples: 0,
+            range: first..first,
             stride: 0,
             sums: Vec::new(),
         }
     }
 
-    /// Samples of each pixel so far.
-    pub fn samples(&self) -> u32 {
-        self.samples
+    /// Sums that were kept: those of each pixel as [`TileFilm::pixel_sums`] gives them.
+    pub fn restore<'a>(
+        nets: u32,
+        channels: usize,
+        range: Range<u32>,
+        pixels: impl ExactSizeIterator<Item = &'a [f64]>,
+    ) -> TileFilm {
+        let stride = stride(&range, nets);
+        let mut film = TileFilm {
+            pixels: pixels.len(),
+            nets,
+            channels,
+            stride,
+            sums: vec![0.0; pixels.len() * nets as usize * stride * channels],
+            range,
+        };
+        for (pixel, mut sums) in pixels.enumerate() {
+            for net in 0..nets {
+                let n = Layout::of(&net_range(&film.range, net, nets)).len() * channels;
+                let (own, rest) = sums.split_at(n);
+                film.sums[(pixel * nets as usize + net as usize) * stride * channels..][..n].copy_from_slice(own);
+                sums = rest;
+            }
+        }
+        film
     }
 
-    /// Adds the samples up to `end` (exclusive) of every pixel. `sample(pixel, index, out)` writes the channels
-    /// of one sample; it is called pixel by pixel, net by net.
+    /// The samples of each pixel so far.
+    pub fn range(&self) -> &Range<u32> {
+        &self.range
+    }
+
+    /// Samples of each pixel so far.
+    pub fn samples(&self) -> u32 {
+        self.range.end - self.range.start
+    }
+
+    /// Adds the samples up to `end` (exclusive, counted from sample 0) of every pixel. `sample(pixel, index, out)`
+    /// writes the channels of one sample; it is called pixel by pixel, net by net.
     pub fn extend(&mut self, end: u32, mut sample: impl FnMut(usize, u32, &mut [f64])) {
-        let begin = self.samples;
-        let stride = (0..self.nets)
-            .map(|r| parts(net_points(end, r, self.nets)))
-            .max()
-            .unwrap_or(0);
+        let (old, new) = (self.range.clone(), self.range.start..end);
+        let stride = stride(&new, self.nets);
         let c = self.channels;
         let mut sums = vec![0.0; self.pixels * self.nets as usize * stride * c];
-        let mut stack: Vec<f64> = Vec::with_capacity(32 * c);
-        let mut leaf = vec![0.0; c];
+        let mut net_sums = Accumulator::new(c);
         let mut value = vec![0.0; c];
         for pixel in 0..self.pixels {
             for net in 0..self.nets {
-                let (j0, j1) = (net_points(begin, net, self.nets), net_points(end, net, self.nets));
-                let row = pixel * self.nets as usize + net as usize;
-                let old = &self.sums[row * self.stride * c..][..parts(j0) * c];
-                let full = (j0 / LEAF).count_ones() as usize * c;
-                stack.clear();
-                stack.extend_from_slice(&old[..full]);
-                leaf.fill(0.0);
-                leaf[..old.len() - full].copy_from_slice(&old[full..]);
-                for j in j0..j1 {
+                let (before, after) = (net_range(&old, net, self.nets), net_range(&new, net, self.nets));
+                net_sums.load(&before, self.net_vectors(pixel, net));
+                for j in before.end..after.end {
                     sample(pixel, j * self.nets + net, &mut value);
-                    leaf.iter_mut().zip(&value).for_each(|(l, v)| *l += v);
-                    if (j + 1).is_multiple_of(LEAF) {
-                        carry(&mut stack, &mut leaf, (j + 1) / LEAF);
-                    }
+                    net_sums.push(j, &value);
                 }
-                if !j1.is_multiple_of(LEAF) {
-                    stack.extend_from_slice(&leaf);
-                }
-                sums[row * stride * c..][..stack.len()].copy_from_slice(&stack);
+                let row = pixel * self.nets as usize + net as usize;
+                let vectors = net_sums.finish(after.start, after.end);
+                sums[row * stride * c..][..vectors.len()].copy_from_slice(vectors);
             }
         }
-        (self.sums, self.stride, self.samples) = (sums, stride, end);
+        (self.sums, self.stride, self.range) = (sums, stride, new);
     }
 
     /// The sum of one net of a pixel and its number of points.
     pub fn net_sum(&self, pixel: usize, net: u32, out: &mut [f64]) -> u32 {
-        let points = net_points(self.samples, net, self.nets);
-        let row = pixel * self.nets as usize + net as usize;
         out.fill(0.0);
-        // From the smallest part to the largest, a fixed order.
-        for part in (0..parts(points)).rev() {
-            let sums = &self.sums[(row * self.stride + part) * self.channels..][..self.channels];
-            out.iter_mut().zip(sums).for_each(|(o, s)| *o += s);
+        add_total(self.net_vectors(pixel, net), out);
+        net_range(&self.range, net, self.nets).len() as u32
+    }
+
+    /// Appends all that is kept of a pixel, net by net.
+    pub fn pixel_sums(&self, pixel: usize, out: &mut Vec<f64>) {
+        for net in 0..self.nets {
+            out.extend_from_slice(self.net_vectors(pixel, net));
         }
-        points
+    }
+
+    /// The vectors of a net of a pixel, by [`Layout`].
+    fn net_vectors(&self, pixel: usize, net: u32) -> &[f64] {
+        let row = pixel * self.nets as usize + net as usize;
+        let layout = Layout::of(&net_range(&self.range, net, self.nets));
+        &self.sums[row * self.stride * self.channels..][..layout.len() * self.channels]
     }
 }
 
-/// Puts the `count`-th finished leaf into the tree: equal subtrees are added, older one first. The leaf is cleared.
-fn carry(stack: &mut Vec<f64>, leaf: &mut [f64], count: u32) {
-    let c = leaf.len();
-    for _ in 0..count.trailing_zeros() {
-        let older = stack.len() - c;
-        leaf.iter_mut().zip(&stack[older..]).for_each(|(l, o)| *l += o);
-        stack.truncate(older);
-    }
-    stack.extend_from_slice(leaf);
-    leaf.fill(0.0);
+/// Vectors that the net with the most of them has.
+fn stride(samples: &Range<u32>, nets: u32) -> usize {
+    let vectors = (0..nets).map(|net| Layout::of(&net_range(samples, net, nets)).len());
+    vectors.max().unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -124,8 +136,8 @@ mod tests {
         rng.next_f64() * 10f64.powi((rng.next_u32() % 12) as i32)
     }
 
-    fn sums_after(passes: &[u32], nets: u32) -> Vec<u64> {
-        let mut film = TileFilm::new(3, nets, 2);
+    fn sums_after(first: u32, passes: &[u32], nets: u32) -> Vec<u64> {
+        let mut film = TileFilm::new(3, nets, 2, first);
         for &end in passes {
             film.extend(end, |p, i, out| out.copy_from_slice(&[value(p, i), -value(p, i)]));
         }
@@ -143,9 +155,15 @@ mod tests {
     #[test]
     fn the_same_samples_give_the_same_bits_however_they_were_cut() {
         for nets in [1, 4, 8] {
-            let whole = sums_after(&[1003], nets);
-            for passes in [&[1, 2, 4, 8, 16, 1003][..], &[500, 1003], &[333, 334, 335, 900, 1003]] {
-                assert_eq!(whole, sums_after(passes, nets), "{passes:?} with {nets} nets");
+            for first in [0, 1, 64, 77] {
+                let whole = sums_after(first, &[1003], nets);
+                for passes in [&[78, 79, 80, 128, 1003][..], &[500, 1003], &[333, 334, 335, 900, 1003]] {
+                    assert_eq!(
+                        whole,
+                        sums_after(first, passes, nets),
+                        "{first} then {passes:?} with {nets} nets"
+                    );
+                }
             }
         }
     }
@@ -153,7 +171,7 @@ mod tests {
     /// Oracle: integers below 2⁵³ are summed exactly in any order.
     #[test]
     fn nothing_is_lost_and_nothing_counted_twice() {
-        let mut film = TileFilm::new(1, 4, 1);
+        let mut film = TileFilm::new(1, 4, 1, 0);
         for end in [1, 7, 64, 100, 777] {
             film.extend(end, |_, i, out| out[0] = f64::from(i));
             let (mut total, mut points) = (0.0, 0);
@@ -163,6 +181,25 @@ mod tests {
                 total += sum[0];
             }
             assert_eq!((total, points), (f64::from(end) * f64::from(end - 1) / 2.0, end));
+        }
+    }
+
+    #[test]
+    fn sums_that_were_kept_go_on_as_if_nothing_had_happened() {
+        let sample = |p: usize, i: u32, out: &mut [f64]| out.copy_from_slice(&[value(p, i), 1.0]);
+        let mut whole = TileFilm::new(2, 4, 2, 5);
+        whole.extend(1234, sample);
+        for cut in [5, 6, 70, 1000, 1234] {
+            let mut first = TileFilm::new(2, 4, 2, 5);
+            first.extend(cut, sample);
+            let kept = [0, 1].map(|pixel| {
+                let mut sums = Vec::new();
+                first.pixel_sums(pixel, &mut sums);
+                sums
+            });
+            let mut second = TileFilm::restore(4, 2, 5..cut, kept.iter().map(Vec::as_slice));
+            second.extend(1234, sample);
+            assert_eq!(second.sums, whole.sums, "cut at {cut}");
         }
     }
 }

@@ -48,6 +48,52 @@ pub struct Aovs {
     pub albedo: bool,
 }
 
+/// A rectangle of pixels, counted from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// First column.
+    pub x0: u32,
+    /// First row.
+    pub y0: u32,
+    /// First column to the right of it, > x0.
+    pub x1: u32,
+    /// First row below it, > y0.
+    pub y1: u32,
+}
+
+impl Region {
+    /// A whole picture.
+    pub fn whole(width: u32, height: u32) -> Region {
+        let (x0, y0, x1, y1) = (0, 0, width, height);
+        Region { x0, y0, x1, y1 }
+    }
+
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.x1 - self.x0
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.y1 - self.y0
+    }
+
+    /// Pixels.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.width()) * u64::from(self.height())
+    }
+
+    /// Squares of this side that cover it, smaller at the right and at the bottom; row by row.
+    pub fn blocks(self, side: u32) -> impl Iterator<Item = Region> {
+        let rows = (self.y0..self.y1).step_by(side as usize);
+        let places = rows.flat_map(move |y| (self.x0..self.x1).step_by(side as usize).map(move |x| (x, y)));
+        places.map(move |(x0, y0)| {
+            let (x1, y1) = (self.x1.min(x0 + side), self.y1.min(y0 + side));
+            Region { x0, y0, x1, y1 }
+        })
+    }
+}
+
 /// Everything that decides the bits of a picture, besides the scene.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -55,6 +101,10 @@ pub struct Settings {
     pub width: u32,
     /// Rows, > 0.
     pub height: u32,
+    /// The pixels to render; the others stay black.
+    pub region: Region,
+    /// The first sample; the samples are `first..first + stop.spp`.
+    pub first: u32,
     /// When to stop.
     pub stop: StopRules,
     /// Seed of all samples.
@@ -79,6 +129,8 @@ impl Settings {
         Settings {
             width,
             height,
+            region: Region::whole(width, height),
+            first: 0,
             stop: StopRules {
                 spp,
                 seconds: None,
