@@ -132,7 +132,7 @@ fn a_glass_slab_passes_the_same_share_at_any_thickness() {
 /// lens centre a·|D − F|/(F·D). Its second moment is radius²/2 (mean squared distance from the centre).
 #[test]
 fn the_circle_of_confusion_has_its_radius() {
-    let (size, a, f, d) = (96u32, 0.25, 4.0, 8.0);
+    let (size, a, f, d) = (96u32, 0.25f64, 4.0, 8.0);
     let image = estimate_of("tests/hard/lens/spot.pts", &[("A", "0.25")], [size, size], 4096);
     let half_width = f64::tan(10f64.to_radians());
     let (mut weight, mut moment) = (0.0, 0.0);
