@@ -9,12 +9,13 @@ use pts::math::stats::Pcg;
 use pts::pictures::{Limits, read_exr_channels};
 use pts::render::driver::{Continuity, render, render_on};
 use pts::render::pixels::{Pixels, Rows};
-use pts::render::report::Silent;
+use pts::render::report::{Observer, Progress, Silent, StopReason};
 use pts::render::scene::CompiledScene;
 use pts::render::settings::{Region, Settings};
 use pts::render::tiles::Tiles;
 use std::path::{Path, PathBuf};
 use std::process::Output;
+use std::sync::atomic::{AtomicU32, Ordering};
 use tempfile::TempDir;
 
 const WIDTH: u32 = 37;
@@ -118,6 +119,40 @@ fn a_render_goes_on_from_sums_that_were_kept() {
         let rendered = render_on(&scene, &settings, &Silent, continuity).expect("the sums fit");
         assert_same(&collect(&rendered.tiles), &whole, &format!("cut at {cut}"));
         assert!(rendered.picture.rgb == picture.rgb && rendered.picture.stderr == picture.stderr);
+    }
+}
+
+/// Asks to stop at the n-th tile.
+struct Impatient(AtomicU32);
+
+impl Observer for Impatient {
+    fn progress(&self, _: &Progress) {}
+
+    fn should_stop(&self) -> bool {
+        self.0.fetch_sub(1, Ordering::Relaxed) == 1
+    }
+}
+
+/// Also where the interruption leaves some tiles ahead of others, and the picture still stops at the same look.
+#[test]
+fn an_interrupted_render_reaches_its_error_goal_with_the_same_samples() {
+    let scene = compiled();
+    let mut settings = Settings::new(WIDTH, HEIGHT, 100_000);
+    settings.stop.error = Some(0.01);
+    let (picture, report) = render(&scene, &settings, &Silent);
+    assert_eq!(report.stop, StopReason::Error);
+    for tiles in [1, 4, 42, 50, 61] {
+        let observer = Impatient(AtomicU32::new(tiles));
+        let first = render_on(&scene, &settings, &observer, Continuity::default()).expect("a fresh render");
+        assert_eq!(first.report.stop, StopReason::Interrupted, "after {tiles} tiles");
+        let kept = collect(&first.tiles);
+        let continuity = Continuity {
+            kept: Some(&kept),
+            checkpoint: None,
+        };
+        let second = render_on(&scene, &settings, &Silent, continuity).expect("the sums fit");
+        assert_eq!(second.report.spp, report.spp, "after {tiles} tiles");
+        assert!(second.picture.rgb == picture.rgb, "after {tiles} tiles");
     }
 }
 

@@ -56,6 +56,12 @@ fn merge(args: &MergeArgs, console: &Console) -> Result<Exit, Refusal> {
             gap.samples.start, gap.samples.end, gap.x, gap.y
         )));
     }
+    if let Some(gap) = &gap {
+        console.warn(&format!(
+            "there are gaps; the first: pixel {}, {} lacks samples {}..{}",
+            gap.x, gap.y, gap.samples.start, gap.samples.end
+        ));
+    }
     let (parts_written, parts_done) = outputs::write_parts(&targets.parts, &whole.header, &whole.pixels, console);
     let error = (gap.is_none() && samples.end - samples.start >= LEAST_SPP)
         .then(|| whole.error())

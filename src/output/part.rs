@@ -9,10 +9,10 @@
 use super::OutputError;
 use super::write::write_with;
 use crate::math::fnv::Fnv;
-use crate::render::film::range::LEAF;
 use crate::render::pixels::{Pixels, Rows, Run, Shape, pixel_len};
 use serde_json::Value;
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The ending of part files.
@@ -25,7 +25,7 @@ const END: u32 = u32::MAX;
 const MOST: Shape = Shape {
     width: 1 << 16,
     height: 1 << 16,
-    nets: LEAF,
+    nets: 16,
     channels: 64,
 };
 
@@ -183,28 +183,22 @@ fn decode(bytes: &[u8]) -> Result<Part, Fault> {
         nets,
         channels,
     };
-    let all = |shape: &Shape| [shape.width, shape.height, shape.nets, shape.channels];
-    if version == 0
-        || !all(&shape)
-            .iter()
-            .zip(all(&MOST))
-            .all(|(n, most)| (1..=most).contains(n))
-    {
+    let all = |shape: Shape| [shape.width, shape.height, shape.nets, shape.channels];
+    let makes_sense = |(n, most)| (1..=most).contains(&n);
+    if version == 0 || !all(shape).into_iter().zip(all(MOST)).all(makes_sense) {
         return Err(Fault::Damaged("its first numbers make no sense"));
     }
-    let text = cursor.take(text as usize)?;
-    let pixels = decode_runs(&mut cursor, shape);
+    let (text, pixels) = (cursor.take(text as usize)?, decode_runs(&mut cursor, shape));
     // A wrong number may lead anywhere: what was read counts only if the fingerprint is right.
     let found = bytes.split_last_chunk::<8>().map(|(body, hash)| {
         let mut expected = Fnv::default();
         expected.write(body);
         expected.value() == u64::from_le_bytes(*hash)
     });
-    let pixels = match (found, pixels) {
-        (Some(true), Ok(pixels)) => pixels,
-        (_, Err(fault)) => return Err(fault),
-        _ => return Err(Fault::Damaged("its fingerprint does not fit")),
-    };
+    let pixels = pixels?;
+    if found != Some(true) {
+        return Err(Fault::Damaged("its fingerprint does not fit"));
+    }
     let header = serde_json::from_slice(text).map_err(|_| Fault::Damaged("its header is no JSON"))?;
     Ok(Part { header, pixels })
 }
@@ -224,7 +218,7 @@ fn decode_runs(cursor: &mut Cursor, shape: Shape) -> Result<Pixels, Fault> {
         }
         last = (y, x1);
         cursor.must_have(u64::from(ranges) * 8)?;
-        let mut samples: Vec<std::ops::Range<u32>> = Vec::with_capacity(ranges as usize);
+        let mut samples: Vec<Range<u32>> = Vec::with_capacity(ranges as usize);
         for _ in 0..ranges {
             let [begin, end] = cursor.numbers()?;
             if begin >= end || samples.last().is_some_and(|before| begin <= before.end) {
@@ -294,15 +288,16 @@ mod tests {
             nets: 4,
             channels: 3,
         };
-        let run = |columns: std::ops::Range<u32>, samples: Vec<std::ops::Range<u32>>| {
+        let run = |columns: Range<u32>, samples: &[(u32, u32)]| {
+            let samples: Vec<Range<u32>> = samples.iter().map(|(begin, end)| *begin..*end).collect();
             let n = columns.len() * pixel_len(&samples, 4, 3);
             let sums = (0..n).map(|i| (i as f64).sqrt()).collect();
             Run { columns, samples, sums }
         };
         let mut pixels = Pixels::new(shape);
-        pixels.rows[0].push(run(0..5, vec![3..200]));
-        pixels.rows[2].push(run(1..2, vec![0..16, 40..41]));
-        pixels.rows[2].push(run(4..5, vec![0..100]));
+        pixels.rows[0].push(run(0..5, &[(3, 200)]));
+        pixels.rows[2].push(run(1..2, &[(0, 16), (40, 41)]));
+        pixels.rows[2].push(run(4..5, &[(0, 100)]));
         pixels
     }
 
