@@ -98,14 +98,9 @@ fn every_part_of_the_classic_box_has_its_mean() {
         };
         let found = found.region(region);
         println!("{:12} {:?} against {:?}", region.name, found.mean, mean);
-        for c in 0..3 {
+        for (c, &m) in mean.iter().enumerate() {
             let noise = 3.0 * found.stderr[c].hypot(expected.stderr[c]);
-            assert!(
-                noise <= 0.02 * mean[c],
-                "{}: too noisy to judge: {noise} of {}",
-                region.name,
-                mean[c]
-            );
+            assert!(noise <= 0.02 * m, "{}: too noisy to judge: {noise} of {m}", region.name);
         }
         found.assert_agrees(&expected, 0.005, 3.0, region.name);
     }

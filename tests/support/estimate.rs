@@ -76,8 +76,8 @@ impl RegionMean {
     /// Fails unless the mean agrees with an exact value within `relative` and within `sigmas` of its own noise.
     /// Noise larger than `relative` fails too: such a test could not see what it looks for.
     pub fn assert_near(&self, exact: [f64; 3], relative: f64, sigmas: f64, what: &str) {
-        for c in 0..3 {
-            let (m, s, e) = (self.mean[c], self.stderr[c], exact[c]);
+        for (c, &e) in exact.iter().enumerate() {
+            let (m, s) = (self.mean[c], self.stderr[c]);
             let noise = sigmas * s;
             assert!(
                 noise <= relative * e.abs() || e == 0.0,
