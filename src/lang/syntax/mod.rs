@@ -1,4 +1,4 @@
-//! Text to tokens. The grammar (`grammar/pts.pest`) owns the tokens, [`structure`] the nesting of directives; what
+//! Text to tokens. The grammar (`grammar/pts.pest`) owns the tokens, `structure` the nesting of directives; what
 //! words and brackets mean is decided by `eval` and `lower`.
 
 mod lexer;
