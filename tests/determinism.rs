@@ -62,25 +62,3 @@ fn another_seed_gives_another_picture() {
     };
     assert!(bits_with(2, &ready, &settings) != bits_with(2, &ready, &other));
 }
-
-/// Whole samples are made alike: the first 16 of 32 are the 16 of a shorter run.
-#[test]
-fn a_longer_run_begins_like_a_shorter_one() {
-    let ready = scenes::ready(SCENES[0], &[], [24, 18]);
-    let mean = |spp| {
-        ready
-            .shoot(&Settings {
-                nets: 1,
-                ..Settings::new(24, 18, spp)
-            })
-            .picture
-            .rgb
-    };
-    let (short, long) = (mean(16), mean(32));
-    // sum(32) − sum(16) must be non-negative everywhere: light is only ever added.
-    for (a, b) in short.iter().zip(&long) {
-        for c in 0..3 {
-            assert!(b[c] * 32.0 >= a[c] * 16.0 * (1.0 - 1e-5), "{a:?} {b:?}");
-        }
-    }
-}
