@@ -4,7 +4,8 @@
 
 mod support;
 
-use pts::render::settings::{Direct, Settings};
+use pts::render::settings::Settings;
+use pts::render::technique::{Direct, Technique};
 use support::estimate::{Estimate, Region, RegionMean, WHOLE};
 use support::reference::{CORNELL_REGIONS, cornell, render};
 use support::{images, scenes, ztest};
@@ -132,8 +133,12 @@ fn all_ways_of_finding_direct_light_agree() {
         let ready = scenes::ready(scene, &[], size);
         let shots = [Direct::Mis, Direct::Light, Direct::Bsdf].map(|direct| {
             let spp = spp[direct as usize];
-            let settings = Settings {
+            let technique = Technique {
                 direct,
+                ..Technique::default()
+            };
+            let settings = Settings {
+                technique,
                 ..scenes::settings(size, spp, 3 + direct as u64)
             };
             ready.shoot(&settings).estimate

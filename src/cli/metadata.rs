@@ -7,7 +7,8 @@ use super::replay;
 use crate::files::Files;
 use crate::math::fnv::Fnv;
 use crate::render::report::{Report, StopReason};
-use crate::render::settings::{Direct, Filter, Settings};
+use crate::render::settings::{Filter, Settings};
+use crate::render::technique::Direct;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io;
@@ -105,9 +106,9 @@ pub fn describe(
         "seed": settings.seed,
         "spp": report.spp,
         "nets": settings.nets,
-        "max_depth": (settings.max_depth != u32::MAX).then_some(settings.max_depth),
+        "max_depth": (settings.technique.max_depth != u32::MAX).then_some(settings.technique.max_depth),
         "filter": filter_word(settings.filter),
-        "direct": direct_word(settings.direct),
+        "direct": direct_word(settings.technique.direct),
         "stop": stop_word(report.stop),
         "error_goal": goal.rules.error,
         "confidence": goal.rules.confidence,

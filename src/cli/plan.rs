@@ -3,7 +3,8 @@
 use super::args::{OutputArgs, PartArgs, QualityArgs, RenderArgs};
 use super::choices::{DirectKind, FilterKind, ToneMapKind};
 use super::values::MAX_SPP;
-use crate::render::settings::{Aovs, Direct, Filter, Region, Settings, StopRules};
+use crate::render::settings::{Aovs, Filter, Region, Settings, StopRules};
+use crate::render::technique::{Direct, Technique};
 use crate::scene::{self, Aspect, Handedness, RenderDefaults, Scene};
 use std::time::Instant;
 
@@ -123,16 +124,25 @@ pub fn settings(args: &RenderArgs, scene: &Scene, size: [u32; 2], goal: &Goal, s
         stop: goal.rules,
         seed: sampling.seed.or(defaults.seed).unwrap_or(base.seed),
         nets: sampling.nets.unwrap_or(base.nets),
-        max_depth: sampling.max_depth.or(defaults.max_depth).unwrap_or(base.max_depth),
         filter: filter(sampling.filter, defaults),
+        technique: technique(args, defaults),
+        aovs: aovs(&args.output),
+        started,
+        ..base
+    }
+}
+
+/// What trades accuracy for time.
+fn technique(args: &RenderArgs, defaults: &RenderDefaults) -> Technique {
+    let (sampling, base) = (&args.sampling, Technique::default());
+    Technique {
+        max_depth: sampling.max_depth.or(defaults.max_depth).unwrap_or(base.max_depth),
         direct: match sampling.direct {
             Some(DirectKind::Mis) => Direct::Mis,
             Some(DirectKind::Light) => Direct::Light,
             Some(DirectKind::Bsdf) => Direct::Bsdf,
             None => base.direct,
         },
-        aovs: aovs(&args.output),
-        started,
         ..base
     }
 }
@@ -265,10 +275,10 @@ mod tests {
             settings(&args, &scene, [8, 8], &goal, Instant::now())
         };
         let s = settings("");
-        assert_eq!((s.seed, s.max_depth, s.filter), (3, 4, Filter::Box));
+        assert_eq!((s.seed, s.technique.max_depth, s.filter), (3, 4, Filter::Box));
         let s = settings("--seed 9 --max-depth 0 --filter gaussian --nets 8 --direct bsdf");
-        assert_eq!((s.seed, s.max_depth, s.filter), (9, 0, Filter::Gaussian));
-        assert_eq!((s.nets, s.direct), (8, Direct::Bsdf));
+        assert_eq!((s.seed, s.technique.max_depth, s.filter), (9, 0, Filter::Gaussian));
+        assert_eq!((s.nets, s.technique.direct), (8, Direct::Bsdf));
     }
 
     #[test]

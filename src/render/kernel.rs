@@ -15,8 +15,9 @@ use super::ray::{PrimRef, Ray, ray_mask};
 use super::report::Anomalies;
 use super::sampler::{Group, Repeated, Sampler};
 use super::scene::CompiledScene;
-use super::settings::{Direct, Settings};
+use super::settings::Settings;
 use super::surface::{Attributes, Surface};
+use super::technique::Direct;
 use crate::math::robust::offset_origin;
 use glam::{Vec2, Vec3};
 
@@ -90,9 +91,9 @@ impl<'a> Kernel<'a> {
             scene,
             seed: settings.seed,
             nets: settings.nets,
-            max_depth: settings.max_depth,
-            direct: settings.direct,
-            sample_lights: if settings.direct == Direct::Bsdf {
+            max_depth: settings.technique.max_depth,
+            direct: settings.technique.direct,
+            sample_lights: if settings.technique.direct == Direct::Bsdf {
                 lights.has_delta()
             } else {
                 !lights.is_empty()

@@ -24,5 +24,6 @@ pub mod scene;
 pub mod settings;
 pub mod shape;
 pub mod surface;
+pub mod technique;
 pub mod texture;
 pub mod tiles;

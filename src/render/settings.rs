@@ -1,16 +1,6 @@
 //! What a render is asked to do.
 
-/// How direct light is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Direct {
-    /// Light sampling and hits, combined by multiple importance sampling.
-    #[default]
-    Mis,
-    /// Light sampling only (hits count where no light sample can reach).
-    Light,
-    /// Hits only; lamps without a shape are still sampled.
-    Bsdf,
-}
+use super::technique::Technique;
 
 /// The pixel filter; all are sampled, so that each sample belongs to one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -111,12 +101,10 @@ pub struct Settings {
     pub seed: u64,
     /// Independently scrambled nets: 1, 4, 8 or 16.
     pub nets: u32,
-    /// Most bounces after the first hit; `u32::MAX` for no limit.
-    pub max_depth: u32,
     /// Pixel filter.
     pub filter: Filter,
-    /// How direct light is found.
-    pub direct: Direct,
+    /// What trades accuracy for time.
+    pub technique: Technique,
     /// Extra layers.
     pub aovs: Aovs,
     /// When the clock of the time limit started.
@@ -139,9 +127,8 @@ impl Settings {
             },
             seed: 0,
             nets: 4,
-            max_depth: u32::MAX,
             filter: Filter::default(),
-            direct: Direct::default(),
+            technique: Technique::default(),
             aovs: Aovs::default(),
             started: std::time::Instant::now(),
         }

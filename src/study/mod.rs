@@ -5,6 +5,7 @@
 //! [`blocks`], can be used alone. Nothing here renders, and nothing knows how images were made.
 
 pub mod blocks;
+pub mod experiment;
 pub mod flip;
 pub mod heatmap;
 mod image;

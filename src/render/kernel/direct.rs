@@ -7,8 +7,8 @@ use crate::render::bsdf::Bsdf;
 use crate::render::light::{LightSample, mis_weight};
 use crate::render::medium::MediumStack;
 use crate::render::ray::{Hit, Ray, ray_mask};
-use crate::render::settings::Direct;
 use crate::render::surface::Surface;
+use crate::render::technique::Direct;
 use glam::Vec3;
 
 impl Kernel<'_> {
