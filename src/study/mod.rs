@@ -13,8 +13,10 @@ pub mod heatmap;
 mod image;
 pub mod metrics;
 mod points;
+pub mod recommend;
 #[cfg(test)]
 mod synthetic;
+pub mod table;
 mod words;
 
 pub use image::Image;
