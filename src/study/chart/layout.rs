@@ -27,7 +27,7 @@ const SHARED: usize = 5;
 const COLUMNS: usize = 3;
 const COLUMN_GAP: f64 = 16.0;
 /// Heights of plots: the only one, the overview, one of an axis.
-const HEIGHTS: [f64; 3] = [400.0, 270.0, 132.0];
+const HEIGHTS: [f64; 3] = [400.0, 290.0, 120.0];
 /// Farther than this from all that was measured, the goal is told in the caption instead of shown.
 const GOAL_REACH: f64 = 12.0;
 
@@ -208,7 +208,9 @@ impl Sheet {
     fn words(&mut self, words: &str, size: f64, bold: bool) {
         // Readers without the typeface may set words a little wider.
         let limit = 0.94 * (WIDTH - 2.0 * EDGE);
-        for line in font::wrap(words, size, bold, limit) {
+        // A number and its unit stay on one line.
+        let words = words.replace(" %", "\u{a0}%");
+        for line in font::wrap(&words, size, bold, limit) {
             self.y += 1.35 * size;
             let line = font::cut(&line, size, bold, WIDTH - 2.0 * EDGE);
             let text = Text::new(line, [EDGE, self.y - 0.3 * size], size);
@@ -267,7 +269,7 @@ impl Sheet {
                 })
                 .collect();
             let legend = panels.iter().map(|p| p.legend_height(chart)).fold(0.0, f64::max);
-            let bottom = top + legend + 1.65 * SIZE + HEIGHTS[2];
+            let bottom = top + legend + 0.3 * SIZE + HEIGHTS[2];
             let below = panels.iter().any(|panel| panel.labelled[1]);
             for panel in &mut panels {
                 panel.legend = legend;

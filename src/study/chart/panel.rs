@@ -2,6 +2,7 @@
 
 use super::super::experiment::{Point, Study};
 use super::super::fit::Law;
+use super::super::points::best_error;
 use super::super::words::{duration, percent};
 use super::labels::{Labels, around};
 use super::scale::{Domain, Measure, Scale};
@@ -48,10 +49,12 @@ pub struct Panel<'a> {
 
 /// Height of a line of the legend.
 const LINE: f64 = 1.32 * SIZE;
-/// Height of a panel's title.
-const TITLE: f64 = 1.35 * SIZE;
+/// Space between the entries of a legend.
+const APART: f64 = 16.0;
 /// Width of a piece of line in a legend.
-const SAMPLE: f64 = 34.0;
+const SAMPLE: f64 = 31.0;
+/// Pieces of the Pareto front's line.
+const FRONT_STEPS: usize = 200;
 /// A point of the Pareto front wears a ring.
 const RING: f64 = 3.2;
 
@@ -95,7 +98,7 @@ impl Panel<'_> {
             };
             Some(named(*v, name))
         });
-        let guide = || line("error ∝ 1/√time", guide_stroke());
+        let guide = || line("1/√time", guide_stroke());
         let front = || line("Pareto front", Stroke::solid(style::FRONT, 7.0));
         let base = || named(0, chart.study.label(0));
         match self.role {
@@ -119,18 +122,23 @@ impl Panel<'_> {
         }
     }
 
-    /// The legend's height for a panel of this width.
+    /// Height of title and legend.
     pub fn legend_height(&self, chart: &Chart) -> f64 {
-        let (_, rows) = flow(&self.entries(chart), self.room.width());
+        let (_, rows) = flow(&self.entries(chart), self.title_width(), self.room.width());
         rows as f64 * LINE
     }
 
+    /// Room that the title takes of the legend's first line.
+    fn title_width(&self) -> f64 {
+        match self.title.is_empty() {
+            true => 0.0,
+            false => font::width(&self.title, SIZE, true) + 0.75 * APART,
+        }
+    }
+
     fn plot(&self) -> Room {
-        let title = if self.title.is_empty() { 0.0 } else { TITLE };
-        Room::new(
-            [self.room.min[0], self.room.min[1] + title + self.legend + 0.3 * SIZE],
-            self.room.max,
-        )
+        let top = self.room.min[1] + self.legend + 0.3 * SIZE;
+        Room::new([self.room.min[0], top], self.room.max)
     }
 
     /// Everything, from back to front.
@@ -167,13 +175,15 @@ impl Panel<'_> {
         let shown: Vec<usize> = std::iter::once(0).chain(self.variants.iter().copied()).collect();
         if self.role == Role::Overview {
             ink.lines(&[0]);
-            ink.front_names();
+            ink.front_rings();
         } else {
             ink.lines(&shown);
         }
         ink.samples();
-        if self.role == Role::Whole {
-            ink.names();
+        match self.role {
+            Role::Whole => ink.names(),
+            Role::Overview => ink.front_names(),
+            Role::Axis => {}
         }
         let mut shapes = ink.shapes;
         shapes.extend(ink.words.into_iter().map(Shape::Words));
@@ -181,20 +191,19 @@ impl Panel<'_> {
     }
 }
 
-/// Where each entry goes, and how many lines that takes.
-fn flow(entries: &[Entry], width: f64) -> (Vec<At>, usize) {
-    let (mut x, mut row) = (0.0, 0usize);
+/// Where each entry goes, the first line being taken up to `start`, and how many lines that takes.
+fn flow(entries: &[Entry], start: f64, width: f64) -> (Vec<At>, usize) {
+    let (mut x, mut row) = (start, 0usize);
     let mut places = Vec::new();
     for entry in entries {
-        let wide = SAMPLE + 6.0 + font::width(&entry.words, SIZE, false) + 16.0;
-        if x > 0.0 && x + wide - 16.0 > width {
+        let wide = SAMPLE + 6.0 + font::width(&entry.words, SIZE, false);
+        if x > 0.0 && x + wide > width {
             (x, row) = (0.0, row + 1);
         }
         places.push([x, row as f64 * LINE]);
-        x += wide;
+        x += wide + APART;
     }
-    let rows = if entries.is_empty() { 0 } else { row + 1 };
-    (places, rows)
+    (places, row + 1)
 }
 
 fn guide_stroke() -> Stroke {
@@ -220,16 +229,15 @@ struct Ink<'a> {
 impl Ink<'_> {
     fn heading(&mut self) {
         let [x, top] = self.panel.room.min;
-        let mut below = top;
+        let wide = self.panel.room.width();
         if !self.panel.title.is_empty() {
-            let title = font::cut(&self.panel.title, SIZE, true, self.panel.room.width());
-            self.words.push(Text::new(title, [x, top + SIZE], SIZE).bold());
-            below += TITLE;
+            let title = font::cut(&self.panel.title, SIZE, true, wide);
+            self.words.push(Text::new(title, [x, top + 0.98 * SIZE], SIZE).bold());
         }
         let entries = self.panel.entries(self.chart);
-        let (places, _) = flow(&entries, self.panel.room.width());
+        let (places, _) = flow(&entries, self.panel.title_width(), wide);
         for (entry, [dx, dy]) in entries.iter().zip(places) {
-            let (left, upper) = (x + dx, below + dy);
+            let (left, upper) = (x + dx, top + dy);
             self.shapes
                 .extend((entry.draw)(Room::new([left, upper], [left + SAMPLE, upper + LINE])));
             let start = left + SAMPLE + 6.0;
@@ -268,29 +276,19 @@ impl Ink<'_> {
         shown.then(|| [self.x.at(point.seconds), self.y.at(point.error)])
     }
 
-    /// The front as steps: the least error that so many seconds buy.
+    /// The front: the least error that so many seconds are measured to buy.
     fn front(&mut self) {
-        let corners: Vec<At> = self
-            .chart
-            .front
-            .iter()
-            .filter_map(|&i| self.place(&self.chart.points[i]))
-            .collect();
-        let mut steps = Vec::new();
-        for (i, corner) in corners.iter().enumerate() {
-            if let Some(before) = i.checked_sub(1).and_then(|b| corners.get(b)) {
-                steps.push([corner[0], before[1]]);
-            }
-            steps.push(*corner);
-        }
-        if let (Some(first), Some(last)) = (corners.first(), corners.last()) {
-            steps.insert(0, [first[0], self.plot.min[1]]);
-            steps.push([self.plot.max[0], last[1]]);
-            self.shapes.push(Shape::Group(
-                "Pareto front".to_owned(),
-                vec![Shape::Line(steps, Stroke::solid(style::FRONT, 7.0))],
-            ));
-        }
+        let times = || self.chart.front.iter().map(|&i| self.chart.points[i].seconds);
+        let (Some(first), Some(last)) = (times().next(), times().next_back()) else {
+            return;
+        };
+        let between = (0..=FRONT_STEPS).map(|i| first * (last / first).powf(i as f64 / FRONT_STEPS as f64));
+        let mut times: Vec<f64> = times().chain(between).filter(|t| (first..=last).contains(t)).collect();
+        times.sort_by(f64::total_cmp);
+        let best = |t: f64| [self.x.at(t), self.y.at(best_error(self.chart.points, t))];
+        let line: Vec<At> = times.into_iter().map(best).collect();
+        let line = Shape::Line(line, Stroke::solid(style::FRONT, 8.0));
+        self.shapes.push(Shape::Group("Pareto front".to_owned(), vec![line]));
     }
 
     /// E ∝ 1/√t through the base line's longest run.
@@ -354,7 +352,10 @@ impl Ink<'_> {
             .filter(|p| p.variant != 0)
             .filter_map(|p| self.place(p))
             .collect();
-        self.shapes.extend(others.into_iter().map(dot));
+        for at in others {
+            self.shapes.push(dot(at));
+            self.labels.take(Room::around(at, 2.4));
+        }
     }
 
     /// Lines, spreads and markers of variants; first all lines, then all markers.
@@ -508,31 +509,54 @@ impl Ink<'_> {
         }
     }
 
-    /// Rings around the front's points, and the names of their variants where they fit.
-    fn front_names(&mut self) {
-        let points: Vec<&Point> = self.chart.front.iter().map(|&i| &self.chart.points[i]).collect();
-        for point in &points {
-            if let (Some(at), true) = (self.place(point), point.variant != 0) {
-                let biased = self.chart.study.is_biased(point.variant);
-                let fill = Some(if biased { [255; 3] } else { style::BLACK });
-                let edge = Some(Stroke::solid(style::BLACK, 1.4));
-                self.shapes.push(Shape::Disc(at, RING, fill, edge));
-                self.labels.take(Room::around(at, RING + 1.0));
-            }
+    /// The front's points that are not the base line's.
+    fn on_front(&self) -> Vec<(At, usize)> {
+        let points = self.chart.front.iter().map(|&i| &self.chart.points[i]);
+        let others = points.filter(|p| p.variant != 0);
+        others.filter_map(|p| Some((self.place(p)?, p.variant))).collect()
+    }
+
+    fn front_rings(&mut self) {
+        for (at, variant) in self.on_front() {
+            let biased = self.chart.study.is_biased(variant);
+            let fill = Some(if biased { [255; 3] } else { style::BLACK });
+            let edge = Some(Stroke::solid(style::BLACK, 1.4));
+            self.shapes.push(Shape::Disc(at, RING, fill, edge));
+            self.labels.take(Room::around(at, RING + 1.0));
         }
+    }
+
+    /// The names of the front's variants, where they fit: beside a point, or farther off with a line to it.
+    fn front_names(&mut self) {
         let mut named = Vec::new();
-        for point in points {
-            let Some(at) = self.place(point).filter(|_| point.variant != 0) else {
+        for (at, variant) in self.on_front() {
+            if named.contains(&variant) {
+                continue;
+            }
+            let text = Text::new(self.chart.study.label(variant), [0.0; 2], SIZE);
+            let near = around(at, RING, SIZE);
+            let far = [14.0, 24.0, 36.0, 50.0, 66.0, 84.0].into_iter().flat_map(|d| {
+                let [x, y] = at;
+                let below = y + d + 0.78 * SIZE;
+                [
+                    ([x - 0.4 * d, below], Anchor::End),
+                    ([x - 0.4 * d, below], Anchor::Middle),
+                ]
+            });
+            let places: Vec<_> = near.iter().copied().chain(far).collect();
+            let Some(text) = self.labels.place(&text, &places) else {
                 continue;
             };
-            if named.contains(&point.variant) {
-                continue;
+            if !near.contains(&(text.at, text.anchor)) {
+                let [x, y] = text.at;
+                let tip = [x + if text.anchor == Anchor::End { -4.0 } else { 0.0 }, y - 0.8 * SIZE];
+                let leader = [tip, at];
+                self.labels.cross(&leader);
+                self.shapes
+                    .push(Shape::Line(leader.to_vec(), Stroke::solid(style::GUIDE, 0.8)));
             }
-            let text = Text::new(self.chart.study.label(point.variant), [0.0; 2], SIZE);
-            if let Some(text) = self.labels.place(&text, &around(at, RING, SIZE)) {
-                self.words.push(text);
-                named.push(point.variant);
-            }
+            self.words.push(text);
+            named.push(variant);
         }
     }
 }
