@@ -19,7 +19,7 @@ const EDGE: f64 = 14.0;
 /// Room left of a plot for its labels and the axis's name.
 const LEFT: f64 = 72.0;
 /// Room below a plot for its labels.
-const BELOW: f64 = 1.6 * SIZE;
+const BELOW: f64 = 1.75 * SIZE;
 const LINE: f64 = 1.35 * SIZE;
 /// Variants that share one panel, the base line not counted; more get a panel for each axis.
 const SHARED: usize = 5;
@@ -27,7 +27,7 @@ const SHARED: usize = 5;
 const COLUMNS: usize = 3;
 const COLUMN_GAP: f64 = 16.0;
 /// Heights of plots: the only one, the overview, one of an axis.
-const HEIGHTS: [f64; 3] = [400.0, 290.0, 120.0];
+const HEIGHTS: [f64; 3] = [400.0, 275.0, 112.0];
 /// Farther than this from all that was measured, the goal is told in the caption instead of shown.
 const GOAL_REACH: f64 = 12.0;
 

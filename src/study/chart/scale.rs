@@ -125,7 +125,8 @@ impl Scale {
     fn all(&self, measure: Measure, mantissas: &[f64], step: i32) -> Vec<Tick> {
         let [low, high] = [self.domain.low, self.domain.high].map(|v| v.log10().floor() as i32);
         let mut ticks = Vec::new();
-        for power in (low - 2..=high + 1).filter(|p| p.rem_euclid(step) == 0) {
+        // An hour is 3.6 times the next lower power of ten.
+        for power in (low - 4..=high + 1).filter(|p| p.rem_euclid(step) == 0) {
             for mantissa in mantissas {
                 // Parsed, for 10⁻³ as a product of binary fractions is off by a bit.
                 let value = format!("{mantissa}e{power}").parse().unwrap_or(f64::NAN);
@@ -202,10 +203,13 @@ mod tests {
             labels(0.08, 400.0, 500.0, Measure::Seconds),
             ["300 ms", "1 s", "3 s", "10 s", "30 s", "1 min", "3 min"]
         );
-        assert_eq!(labels(0.0008, 0.3, 200.0, Measure::Share), ["0.1 %", "1 %", "10 %"]);
+        assert_eq!(
+            labels(0.0008, 0.3, 200.0, Measure::Share),
+            ["0.3 %", "1 %", "3 %", "10 %"]
+        );
         assert_eq!(
             labels(50.0, 90_000.0, 250.0, Measure::Seconds),
-            ["1 min", "10 min", "1 h", "10 h"]
+            ["10 min", "1 h", "10 h"]
         );
         assert_eq!(
             labels(1.1, 4.5, 300.0, Measure::Seconds),
@@ -230,7 +234,7 @@ mod tests {
                             .collect();
                         assert!(ends.windows(2).all(|w| w[0][1] + 9.9 < w[1][0]), "{ticks:?}");
                         assert!(ends.iter().all(|e| e[0] > -5.1 && e[1] < length + 5.1));
-                        assert!(!ticks.is_empty(), "{low} × {span} on {length}");
+                        assert!(!ticks.is_empty(), "{measure:?}: {low} × {span} on {length}");
                     }
                 }
             }
