@@ -7,7 +7,7 @@ use super::marks::{Ink, dot, guide_stroke};
 use super::scale::{Domain, Measure, Scale};
 use super::shapes::{Anchor, At, Room, Shape, Stroke, Text};
 use super::style::{self, Style};
-use super::{font, layout::SIZE};
+use super::{font, layout::SIZE, layout::TICK_GAP};
 
 /// What all panels of a chart share.
 pub struct Chart<'a> {
@@ -233,7 +233,7 @@ impl Ink<'_> {
                     .push(Text::new(tick.label, place, SIZE).anchored(Anchor::Middle));
             }
         }
-        for tick in self.y.ticks(Measure::Share, SIZE, 0.6 * SIZE, true) {
+        for tick in self.y.ticks(Measure::Share, SIZE, TICK_GAP, true) {
             let at = self.y.at(tick.value);
             self.shapes.push(Shape::segment([left, at], [right, at], grid()));
             if self.panel.labelled[0] {
