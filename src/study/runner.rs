@@ -1,0 +1,390 @@
+//! Runs a study: measures what a sample costs, makes the reference, climbs the ladders, weighs the effects; all
+//! within one budget of seconds.
+
+mod rows;
+mod variants;
+
+use super::ablation::Weighing;
+use super::axes;
+use super::effects;
+use super::experiment::{Goal, Reference, Study};
+use super::ladder;
+use super::uses::Uses;
+use super::workshop::{Clock, Order, Stopped, Watch, Workshop};
+use super::yardstick::Yardstick;
+use super::{CompareError, Image};
+use crate::diag::Diagnostics;
+use crate::files::Files;
+use crate::render::settings::Settings;
+use crate::scene::Scene;
+use rows::Rows;
+
+/// Fewest seeds of a point: fewer tell no spread.
+pub const FEWEST_SEEDS: u32 = 5;
+
+/// Most columns of a picture whose size the study chooses.
+pub const WIDEST: u32 = 320;
+
+/// Shares of the budget: for the reference, for the effects, and for writing.
+const REFERENCE_SHARE: f64 = 0.3;
+const EFFECTS_SHARE: f64 = 0.15;
+const WRITING_SHARE: f64 = 0.03;
+
+/// Seconds that writing takes at least, as far as a twentieth of the budget allows it.
+const WRITING_SECONDS: f64 = 1.0;
+
+/// Nets of the reference at least: its noise must be known.
+const REFERENCE_NETS: u32 = 4;
+
+/// Sets the reference's random numbers apart from those of all rows.
+const REFERENCE_SEED: u64 = 0x5EED_0F7E_8E4E_2CE5;
+
+/// Which axes are varied.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AxisChoice {
+    /// Those that can matter for the scene, as many as the budget holds.
+    Fitting,
+    /// Those that can matter for the scene.
+    All,
+    /// Those of these names, as far as they can matter.
+    Named(Vec<String>),
+}
+
+/// What is studied, and how.
+pub struct Request<'a> {
+    /// The scene, ready to compile.
+    pub scene: &'a Scene,
+    /// Where its images are.
+    pub files: &'a dyn Files,
+    /// What tables call it.
+    pub name: String,
+    /// The command line that makes the study again.
+    pub command: String,
+    /// Version and commit of the program.
+    pub version: String,
+    /// The processor's name.
+    pub processor: String,
+    /// Size, filter, nets, seed and technique of the base line.
+    pub settings: Settings,
+    /// Whether a smaller picture than that of `settings` may be chosen, so that more fits into the budget.
+    pub may_shrink: bool,
+    /// When the program began, and the budget.
+    pub clock: Clock,
+    /// Seconds that reading the scene took.
+    pub load: f64,
+    /// What is varied.
+    pub axes: AxisChoice,
+    /// Seeds of a point, at least [`FEWEST_SEEDS`].
+    pub seeds: u32,
+    /// Samples per pixel to try, rising; `None` for as many steps as fit.
+    pub ladder: Option<Vec<u32>>,
+    /// Whether effects are weighed.
+    pub ablation: bool,
+    /// What to measure against, and its name; `None` to render it.
+    pub reference: Option<(String, Image)>,
+    /// What the user wants to reach.
+    pub goal: Goal,
+}
+
+/// What came out.
+pub struct Outcome {
+    /// The study, as far as it got.
+    pub study: Study,
+    /// Whether the user ended it early.
+    pub interrupted: bool,
+}
+
+/// Why there is no study.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Failure {
+    /// No picture can be made.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// The reference cannot be used.
+    #[error("the reference cannot be used: {0}")]
+    Reference(#[from] CompareError),
+    /// Not even the base line's first point fits into the budget.
+    #[error(
+        "the budget of {budget:.3} s is too short: {seeds} pictures of {spp} samples per pixel at {width}x{height} do \
+         not fit into what {spent:.1} s of reading, compiling and rendering the reference leave of it"
+    )]
+    Budget {
+        /// The budget in seconds.
+        budget: f64,
+        /// Seconds that are gone.
+        spent: f64,
+        /// Pictures of the first point.
+        seeds: u32,
+        /// Samples of the first point.
+        spp: u32,
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+}
+
+/// Runs a study. Mistakes of the scene go to `diags`.
+pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Result<Outcome, Failure> {
+    let mut notes = Vec::new();
+    let clock = request.clock;
+    let base = request.settings.technique;
+    let mut settings = request.settings.clone();
+    if request.may_shrink {
+        let natural = [settings.width, settings.height];
+        resize(&mut settings, ladder::picture_size(natural, WIDEST, 0.0, 1.0, f64::MAX));
+    }
+    let mut workshop = workshop(&request, &settings, watch);
+    let compiled = workshop.compiled(&base, diags)?;
+    let (uses, compile_seconds) = (Uses::of(request.scene, &compiled.scene.lights), compiled.seconds);
+    let per_sample = pilot(&mut workshop, &request)?;
+    let effects = if request.ablation {
+        effects::of(&uses, &base)
+    } else {
+        Vec::new()
+    };
+    let shares = Shares::new(&request, !effects.is_empty());
+
+    let threads = rayon::current_num_threads();
+    let room = shares.rows_end - clock.elapsed() - shares.reference;
+    let mut treatments = variants::plan(&request, &axes::all(&base, threads, &uses), compile_seconds, &mut notes);
+    if request.axes == AxisChoice::Fitting {
+        let smallest = if request.may_shrink {
+            smallest_cost(&settings, per_sample)
+        } else {
+            per_sample
+        };
+        variants::fit(&mut treatments, request.seeds, smallest, room, &mut notes);
+    }
+    if request.may_shrink {
+        let natural = [request.settings.width, request.settings.height];
+        let per_pixel = per_sample / (f64::from(settings.width) * f64::from(settings.height));
+        let runs = f64::from(request.seeds) * treatments.len() as f64;
+        let size = ladder::picture_size(natural, WIDEST, per_pixel, runs, room);
+        resize(&mut settings, size);
+        if size != natural {
+            let [w, h] = natural;
+            notes.push(format!(
+                "pictures are {}x{} pixels instead of {w}x{h}, chosen so that the budget holds more of them (-r WxH \
+                 chooses another size)",
+                size[0], size[1]
+            ));
+        }
+    }
+    // Compiled anew: the size is another, and the first time reads files that are in memory from now on.
+    let mut workshop = self::workshop(&request, &settings, watch);
+    for treatment in &treatments {
+        workshop.compiled(&treatment.technique, &mut Diagnostics::default())?;
+    }
+    let per_sample = pilot(&mut workshop, &request)?;
+    let (yardstick, reference) = reference(&request, &mut workshop, watch, shares.reference, &mut notes)?;
+    bias_note(&request, &mut notes);
+
+    let mut rows = Rows::new(&request, &yardstick, &treatments, per_sample, shares.rows_end);
+    let mut interrupted = rows.climb(&mut workshop, watch)?;
+    if rows.rows.is_empty() {
+        return Err(match interrupted {
+            true => Failure::Stopped(Stopped::Interrupted),
+            false => Failure::Budget {
+                budget: clock.budget,
+                spent: clock.elapsed(),
+                seeds: request.seeds,
+                spp: request
+                    .ladder
+                    .as_ref()
+                    .and_then(|l| l.first().copied())
+                    .unwrap_or(ladder::FIRST),
+                width: settings.width,
+                height: settings.height,
+            },
+        });
+    }
+    let (variants, rows, row_notes) = rows.finish(interrupted);
+    notes.extend(row_notes);
+
+    let mut ablations = Vec::new();
+    if !effects.is_empty() && !interrupted {
+        let weighing = Weighing {
+            scene: request.scene,
+            files: request.files,
+            technique: base,
+            effects: &effects,
+            seeds: &seeds(&request),
+            per_sample,
+            clock,
+            end: shares.end,
+        };
+        let weighed = weighing.run(&mut workshop)?;
+        ablations = weighed.ablations;
+        notes.extend(weighed.notes);
+        interrupted |= weighed.interrupted;
+    }
+    Ok(Outcome {
+        study: Study {
+            scene: request.name,
+            size: [settings.width, settings.height],
+            command: request.command,
+            version: request.version,
+            processor: request.processor,
+            threads,
+            seconds: clock.elapsed(),
+            reference,
+            goal: request.goal,
+            variants,
+            rows,
+            ablations,
+            notes,
+        },
+        interrupted,
+    })
+}
+
+/// Seconds of the parts of a study.
+struct Shares {
+    /// How long the reference may take.
+    reference: f64,
+    /// When the rows must be done, in seconds since the start.
+    rows_end: f64,
+    /// When everything but writing must be done.
+    end: f64,
+}
+
+impl Shares {
+    fn new(request: &Request, has_effects: bool) -> Shares {
+        let budget = request.clock.budget;
+        let writing = (budget * WRITING_SHARE).max(WRITING_SECONDS.min(budget * 0.05));
+        let end = budget - writing;
+        let effects = if has_effects { budget * EFFECTS_SHARE } else { 0.0 };
+        Shares {
+            reference: if request.reference.is_some() {
+                0.0
+            } else {
+                budget * REFERENCE_SHARE
+            },
+            rows_end: end - effects,
+            end,
+        }
+    }
+}
+
+fn workshop<'a>(request: &Request<'a>, settings: &Settings, watch: &'a dyn Watch) -> Workshop<'a> {
+    Workshop::new(request.scene, request.files, settings.clone(), request.clock, watch)
+}
+
+fn resize(settings: &mut Settings, [width, height]: [u32; 2]) {
+    let sized = Settings::new(width, height, settings.stop.spp);
+    (settings.width, settings.height, settings.region) = (width, height, sized.region);
+}
+
+/// The seeds of rows and of effects.
+fn seeds(request: &Request) -> Vec<u64> {
+    (1..=u64::from(request.seeds))
+        .map(|i| request.settings.seed.wrapping_add(i))
+        .collect()
+}
+
+/// Seconds of a sample of each pixel, measured on the second picture: the first warms up.
+fn pilot(workshop: &mut Workshop, request: &Request) -> Result<f64, Stopped> {
+    let order = Order {
+        technique: request.settings.technique,
+        threads: None,
+        seed: request.settings.seed,
+        spp: 1,
+        seconds: None,
+        stage: "scene",
+        what: "measuring the price of a sample",
+    };
+    workshop.shoot(&order)?;
+    Ok(workshop.shoot(&order)?.seconds)
+}
+
+/// The price of a sample of each pixel in the smallest picture that may be chosen.
+fn smallest_cost(settings: &Settings, per_sample: f64) -> f64 {
+    let size = [settings.width, settings.height];
+    let [w, h] = ladder::picture_size(size, WIDEST, 1.0, 1.0, 0.0);
+    per_sample * f64::from(w) * f64::from(h) / (f64::from(size[0]) * f64::from(size[1]))
+}
+
+/// The reference that is given, or a new one.
+fn reference(
+    request: &Request,
+    workshop: &mut Workshop,
+    watch: &dyn Watch,
+    seconds: f64,
+    notes: &mut Vec<String>,
+) -> Result<(Yardstick, Reference), Failure> {
+    let settings = workshop.base().clone();
+    if let Some((name, image)) = &request.reference {
+        let size = [settings.width, settings.height];
+        if [image.width, image.height] != size {
+            let a = [image.width, image.height];
+            return Err(CompareError::Size { a, b: size }.into());
+        }
+        let (is_developed, samples) = (image.is_developed, image.samples.as_ref());
+        let mean = samples.map(|s| s.iter().map(|n| u64::from(*n)).sum::<u64>() / s.len().max(1) as u64);
+        let yardstick = Yardstick::new(image.clone())?;
+        if is_developed {
+            notes.push(format!(
+                "the reference {name} is cut at white and rounded, which counts as error of every row"
+            ));
+        }
+        if yardstick.error().is_none() {
+            notes.push(format!(
+                "the reference {name} has no standard errors: its own noise is not subtracted and counts as error of \
+                 every row"
+            ));
+        }
+        let error = yardstick.error();
+        let told = Reference {
+            source: name.clone(),
+            spp: mean,
+            error,
+            seconds: None,
+        };
+        return Ok((yardstick, told));
+    }
+    let technique = axes::unbiased(&request.settings.technique);
+    let honest = Settings {
+        nets: settings.nets.max(REFERENCE_NETS),
+        ..settings.clone()
+    };
+    let order = Order {
+        technique,
+        threads: None,
+        seed: request.settings.seed ^ REFERENCE_SEED,
+        spp: u32::MAX,
+        seconds: Some(seconds),
+        stage: "reference",
+        what: "rendering the reference",
+    };
+    let shot = if honest.nets == settings.nets {
+        workshop.shoot(&order)?
+    } else {
+        self::workshop(request, &honest, watch).shoot(&order)?
+    };
+    let spp = shot.report.spp;
+    let yardstick = Yardstick::new(shot.image)?;
+    if yardstick.error().is_none() {
+        notes.push(format!(
+            "the reference has only {spp} samples per pixel: too few to know its noise (give more time)"
+        ));
+    }
+    let told = Reference {
+        source: format!("rendered without bias, seed {}", order.seed),
+        spp: Some(u64::from(spp)),
+        error: yardstick.error(),
+        seconds: Some(shot.seconds),
+    };
+    Ok((yardstick, told))
+}
+
+/// Says where the scene's own settings are biased.
+fn bias_note(request: &Request, notes: &mut Vec<String>) {
+    let biases = axes::biases(&request.settings.technique);
+    if !biases.is_empty() && request.reference.is_none() {
+        notes.push(format!(
+            "the scene as written is biased ({}); the reference is not, so that every row shows that bias",
+            biases.join(", ")
+        ));
+    }
+}
