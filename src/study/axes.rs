@@ -5,9 +5,7 @@
 
 use super::experiment::{Kind, Variant};
 use super::uses::Uses;
-use crate::render::technique::{
-    BuildPreset, Direct, FresnelModel, LightPick, Roulette, SamplerKind, Technique, TextureFilter,
-};
+use crate::render::technique::{Choice, Technique};
 
 /// The name of the base line's axis: only samples differ.
 pub const SAMPLES: &str = "samples";
@@ -25,12 +23,12 @@ pub struct Axis {
     /// Why it cannot matter for the scene; `None` if it may.
     pub useless: Option<&'static str>,
     /// The other values than that of the base line.
-    pub choices: Vec<Choice>,
+    pub values: Vec<Value>,
 }
 
 /// One value of an axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
+pub struct Value {
     /// The value's name, as in `late`.
     pub name: String,
     /// How it renders.
@@ -63,36 +61,22 @@ pub fn all(base: &Technique, threads: usize, uses: &Uses) -> Vec<Axis> {
         caustics: _, // an effect of the scene: left out by the ablation
     } = *base;
     let around = Around { base, uses };
-    let deeper = DEPTHS.iter().filter(|d| **d < max_depth).map(|d| (d.to_string(), *d));
-    let clamps = CLAMPS.iter().filter(|c| clamp.is_none_or(|own| **c < own));
+    let shallower = DEPTHS.iter().filter(|d| **d < max_depth).map(|d| (d.to_string(), *d));
+    let clamps = CLAMPS.iter().map(|c| (c.to_string(), Some(*c)));
     vec![
-        around.axis("direct", Kind::Variance, direct, direct_names(), |t, v| t.direct = v),
-        around.axis("sampler", Kind::Variance, sampler, sampler_names(), |t, v| {
-            t.sampler = v
-        }),
-        around.axis("max-depth", Kind::Bias, max_depth, deeper, |t, v| t.max_depth = v),
-        around.axis("roulette", Kind::Variance, roulette, roulette_names(), |t, v| {
-            t.roulette = v
-        }),
+        around.words("direct", Kind::Variance, direct, |t, v| t.direct = v),
+        around.words("sampler", Kind::Variance, sampler, |t, v| t.sampler = v),
+        around.axis("max-depth", Kind::Bias, max_depth, shallower, |t, v| t.max_depth = v),
+        around.words("roulette", Kind::Variance, roulette, |t, v| t.roulette = v),
         around.axis("adaptive", Kind::Variance, adaptive, on_off(), |t, v| t.adaptive = v),
-        around.axis(
-            "clamp",
-            Kind::Bias,
-            clamp,
-            clamps.map(|c| (c.to_string(), Some(*c))),
-            |t, v| t.clamp = v,
-        ),
-        around.axis("lights", Kind::Variance, lights, light_names(), |t, v| t.lights = v),
-        around.axis("fresnel", Kind::Bias, fresnel, fresnel_names(), |t, v| t.fresnel = v),
-        around.axis(
-            "multiple-scattering",
-            Kind::Bias,
-            multiple_scattering,
-            on_off(),
-            |t, v| t.multiple_scattering = v,
-        ),
-        around.axis("textures", Kind::Bias, textures, texture_names(), |t, v| t.textures = v),
-        around.axis("build", Kind::Variance, build, build_names(), |t, v| t.build = v),
+        around.axis("clamp", Kind::Bias, clamp, clamps, |t, v| t.clamp = v),
+        around.words("lights", Kind::Variance, lights, |t, v| t.lights = v),
+        around.words("fresnel", Kind::Bias, fresnel, |t, v| t.fresnel = v),
+        around.axis("multiple-scattering", Kind::Bias, multiple_scattering, on_off(), |t, v| {
+            t.multiple_scattering = v
+        }),
+        around.words("textures", Kind::Bias, textures, |t, v| t.textures = v),
+        around.words("build", Kind::Variance, build, |t, v| t.build = v),
         around.threads(threads),
     ]
 }
@@ -103,52 +87,6 @@ pub fn names() -> Vec<&'static str> {
     std::iter::once(SAMPLES).chain(axes.iter().map(|a| a.name)).collect()
 }
 
-/// The fields in which a technique departs from the unbiased one, by the names of their axes.
-pub fn biases(technique: &Technique) -> Vec<&'static str> {
-    let honest = Technique::default();
-    let Technique {
-        sampler: _,
-        direct: _,
-        lights: _,
-        roulette: _,
-        adaptive: _,
-        build: _,
-        max_depth,
-        fresnel,
-        multiple_scattering,
-        textures,
-        clamp,
-        caustics,
-    } = *technique;
-    let departures = [
-        ("max-depth", max_depth != honest.max_depth),
-        ("fresnel", fresnel != honest.fresnel),
-        ("multiple-scattering", multiple_scattering != honest.multiple_scattering),
-        ("textures", textures != honest.textures),
-        ("clamp", clamp != honest.clamp),
-        ("caustics", caustics != honest.caustics),
-    ];
-    departures
-        .into_iter()
-        .filter(|(_, departs)| *departs)
-        .map(|(name, _)| name)
-        .collect()
-}
-
-/// The technique without the departures that [`biases`] names: the expected picture is the true one.
-pub fn unbiased(technique: &Technique) -> Technique {
-    let honest = Technique::default();
-    Technique {
-        max_depth: honest.max_depth,
-        fresnel: honest.fresnel,
-        multiple_scattering: honest.multiple_scattering,
-        textures: honest.textures,
-        clamp: honest.clamp,
-        caustics: honest.caustics,
-        ..*technique
-    }
-}
-
 /// What axes are made around.
 struct Around<'a> {
     base: &'a Technique,
@@ -156,6 +94,12 @@ struct Around<'a> {
 }
 
 impl Around<'_> {
+    /// The axis of a field with words.
+    fn words<V: Choice>(&self, name: &'static str, kind: Kind, own: V, set: impl Fn(&mut Technique, V)) -> Axis {
+        let words = V::ALL.iter().map(|(value, word, _)| ((*word).to_owned(), *value));
+        self.axis(name, kind, own, words, set)
+    }
+
     fn axis<V: PartialEq + Copy>(
         &self,
         name: &'static str,
@@ -165,10 +109,10 @@ impl Around<'_> {
         set: impl Fn(&mut Technique, V),
     ) -> Axis {
         let others = values.into_iter().filter(|(_, v)| *v != own);
-        let choices = others.map(|(name, value)| {
+        let values = others.map(|(name, value)| {
             let mut technique = *self.base;
             set(&mut technique, value);
-            Choice {
+            Value {
                 name,
                 technique,
                 threads: None,
@@ -178,14 +122,14 @@ impl Around<'_> {
             name,
             kind,
             useless: useless(name, self.uses),
-            choices: choices.collect(),
+            values: values.collect(),
         }
     }
 
     /// Powers of two below the number of threads.
     fn threads(&self, most: usize) -> Axis {
         let fewer = std::iter::successors(Some(1), |n| Some(n * 2)).take_while(|n| *n < most);
-        let choice = |n: usize| Choice {
+        let value = |n: usize| Value {
             name: n.to_string(),
             technique: *self.base,
             threads: Some(n),
@@ -194,22 +138,31 @@ impl Around<'_> {
             name: THREADS,
             kind: Kind::Variance,
             useless: (most < 2).then_some("there is one thread"),
-            choices: fewer.map(choice).collect(),
+            values: fewer.map(value).collect(),
         }
     }
 }
 
-impl Choice {
+impl Value {
     /// The variant that this value of `axis` is.
     pub fn variant(&self, axis: &Axis, base: &Technique) -> Variant {
         Variant {
             axis: axis.name.to_owned(),
             name: self.name.clone(),
-            // A base line with a bias of its own passes it on.
-            kind: if biases(base).is_empty() { axis.kind } else { Kind::Bias },
+            kind: axis.kind,
             flags: match self.threads {
                 Some(threads) => format!("--threads {threads}"),
-                None => format!("--{} {}", axis.name, self.name),
+                None => {
+                    // A limit that stands in the scene needs no words.
+                    let is_scenes = self.technique.max_depth == base.max_depth;
+                    let honest = Technique::default().max_depth;
+                    let max_depth = if is_scenes { honest } else { self.technique.max_depth };
+                    let technique = Technique {
+                        max_depth,
+                        ..self.technique
+                    };
+                    technique.flags().join(" ")
+                }
             },
         }
     }
@@ -218,6 +171,7 @@ impl Choice {
 /// Why an axis cannot matter for a scene.
 fn useless(axis: &str, uses: &Uses) -> Option<&'static str> {
     let (matters, why) = match axis {
+        "adaptive" => (false, "this version does not do it yet"),
         "direct" => (uses.hittable_lights, "no light of the scene can be hit by a ray"),
         "lights" => (uses.lights > 1, "the scene has no more than one light"),
         "fresnel" => (uses.dielectrics, "no surface of the scene is a dielectric"),
@@ -228,55 +182,8 @@ fn useless(axis: &str, uses: &Uses) -> Option<&'static str> {
     (!matters).then_some(why)
 }
 
-fn named<V: Copy, const N: usize>(values: [(&str, V); N]) -> impl Iterator<Item = (String, V)> {
-    values.map(|(name, v)| (name.to_owned(), v)).into_iter()
-}
-
-fn on_off() -> impl Iterator<Item = (String, bool)> {
-    named([("on", true), ("off", false)])
-}
-
-fn direct_names() -> impl Iterator<Item = (String, Direct)> {
-    named([("mis", Direct::Mis), ("light", Direct::Light), ("bsdf", Direct::Bsdf)])
-}
-
-fn sampler_names() -> impl Iterator<Item = (String, SamplerKind)> {
-    named([("sobol", SamplerKind::Sobol), ("independent", SamplerKind::Independent)])
-}
-
-fn roulette_names() -> impl Iterator<Item = (String, Roulette)> {
-    named([("throughput", Roulette::Throughput), ("late", Roulette::Late)])
-}
-
-fn light_names() -> impl Iterator<Item = (String, LightPick)> {
-    named([
-        ("tree", LightPick::Tree),
-        ("power", LightPick::Power),
-        ("uniform", LightPick::Uniform),
-    ])
-}
-
-fn fresnel_names() -> impl Iterator<Item = (String, FresnelModel)> {
-    named([
-        ("exact", FresnelModel::Exact),
-        ("schlick", FresnelModel::Schlick),
-        ("schlick-incident", FresnelModel::SchlickIncident),
-    ])
-}
-
-fn texture_names() -> impl Iterator<Item = (String, TextureFilter)> {
-    named([
-        ("as-written", TextureFilter::AsWritten),
-        ("nearest", TextureFilter::Nearest),
-    ])
-}
-
-fn build_names() -> impl Iterator<Item = (String, BuildPreset)> {
-    named([
-        ("fast", BuildPreset::Fast),
-        ("medium", BuildPreset::Medium),
-        ("high", BuildPreset::High),
-    ])
+fn on_off() -> [(String, bool); 2] {
+    [("on".to_owned(), true), ("off".to_owned(), false)]
 }
 
 #[cfg(test)]
@@ -298,8 +205,8 @@ mod tests {
     fn every_choice_departs_from_the_base_line_in_one_thing() {
         let base = Technique::default();
         let axes = all(&base, 8, &everything());
-        let mut all: Vec<&Choice> = axes.iter().flat_map(|a| &a.choices).collect();
-        assert!(axes.iter().all(|a| !a.choices.is_empty() && a.useless.is_none()));
+        let mut all: Vec<&Value> = axes.iter().flat_map(|a| &a.values).collect();
+        assert!(axes.iter().all(|a| !a.values.is_empty()));
         assert!(all.iter().all(|c| c.technique != base || c.threads.is_some()));
         let n = all.len();
         all.dedup_by(|a, b| a.technique == b.technique && a.threads == b.threads);
@@ -309,10 +216,9 @@ mod tests {
     #[test]
     fn the_kind_of_an_axis_agrees_with_what_is_called_a_bias() {
         for axis in all(&Technique::default(), 4, &everything()) {
-            for choice in &axis.choices {
-                let departs = !biases(&choice.technique).is_empty();
-                assert_eq!(departs, axis.kind == Kind::Bias, "{} {}", axis.name, choice.name);
-                assert!(biases(&unbiased(&choice.technique)).is_empty());
+            for value in &axis.values {
+                let departs = !value.technique.biased().is_empty();
+                assert_eq!(departs, axis.kind == Kind::Bias, "{} {}", axis.name, value.name);
             }
         }
     }
@@ -340,17 +246,17 @@ mod tests {
         };
         let axes = all(&base, 1, &everything());
         let depths = axes.iter().find(|a| a.name == "max-depth").unwrap();
-        let names: Vec<&str> = depths.choices.iter().map(|c| c.name.as_str()).collect();
+        let names: Vec<&str> = depths.values.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(names, ["0", "1", "2"]);
-        // Nothing measured around a biased base line is unbiased.
-        assert_eq!(axes[0].choices[0].variant(&axes[0], &base).kind, Kind::Bias);
+        assert_eq!(depths.values[0].variant(depths, &base).flags, "--max-depth 0");
+        assert_eq!(axes[0].values[0].variant(&axes[0], &base).flags, "--direct light");
     }
 
     #[test]
     fn threads_go_by_powers_of_two_below_all() {
         let threads = |n: usize| -> Vec<Option<usize>> {
             let axes = all(&Technique::default(), n, &everything());
-            axes.last().unwrap().choices.iter().map(|c| c.threads).collect()
+            axes.last().unwrap().values.iter().map(|c| c.threads).collect()
         };
         assert_eq!(threads(6), [Some(1), Some(2), Some(4)]);
         assert_eq!(threads(2), [Some(1)]);

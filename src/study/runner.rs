@@ -178,11 +178,10 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
     }
     let per_sample = pilot(&mut workshop, &request)?;
     let (yardstick, reference) = reference(&request, &mut workshop, watch, shares.reference, &mut notes)?;
-    bias_note(&request, &mut notes);
 
     let mut rows = Rows::new(&request, &yardstick, &treatments, per_sample, shares.rows_end);
     let mut interrupted = rows.climb(&mut workshop, watch)?;
-    if rows.rows.is_empty() {
+    if !rows.rows.iter().any(|row| row.variant == 0) {
         return Err(match interrupted {
             true => Failure::Stopped(Stopped::Interrupted),
             false => Failure::Budget {
@@ -343,13 +342,12 @@ fn reference(
         };
         return Ok((yardstick, told));
     }
-    let technique = axes::unbiased(&request.settings.technique);
     let honest = Settings {
         nets: settings.nets.max(REFERENCE_NETS),
         ..settings.clone()
     };
     let order = Order {
-        technique,
+        technique: request.settings.technique,
         threads: None,
         seed: request.settings.seed ^ REFERENCE_SEED,
         spp: u32::MAX,
@@ -370,21 +368,10 @@ fn reference(
         ));
     }
     let told = Reference {
-        source: format!("rendered without bias, seed {}", order.seed),
+        source: format!("rendered as written, seed {}", order.seed),
         spp: Some(u64::from(spp)),
         error: yardstick.error(),
         seconds: Some(shot.seconds),
     };
     Ok((yardstick, told))
-}
-
-/// Says where the scene's own settings are biased.
-fn bias_note(request: &Request, notes: &mut Vec<String>) {
-    let biases = axes::biases(&request.settings.technique);
-    if !biases.is_empty() && request.reference.is_none() {
-        notes.push(format!(
-            "the scene as written is biased ({}); the reference is not, so that every row shows that bias",
-            biases.join(", ")
-        ));
-    }
 }

@@ -3,7 +3,7 @@
 
 use super::Image;
 use super::experiment::{Row, Variant};
-use crate::compile::compile;
+use crate::compile::compile_with;
 use crate::diag::Diagnostics;
 use crate::files::Files;
 use crate::render::driver;
@@ -221,6 +221,7 @@ fn compile_key(technique: &Technique) -> Technique {
         adaptive: false,
         max_depth: honest.max_depth,
         clamp: None,
+        caustics: true,
         ..*technique
     }
 }
@@ -229,11 +230,11 @@ fn compile_timed(
     scene: &Scene,
     files: &dyn Files,
     base: &Settings,
-    _technique: &Technique,
+    technique: &Technique,
     diags: &mut Diagnostics,
 ) -> Result<Compiled, Stopped> {
     let begun = Instant::now();
-    let compiled = compile(scene, files, base.width, base.height, diags).ok_or(Stopped::Scene)?;
+    let compiled = compile_with(scene, files, base.width, base.height, technique, diags).ok_or(Stopped::Scene)?;
     Ok(Compiled {
         scene: compiled,
         seconds: begun.elapsed().as_secs_f64(),

@@ -74,7 +74,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "FILTER", help_heading = PICTURES)]
     pub filter: Option<FilterKind>,
     /// Independently scrambled sample nets [default: 4].
-    #[arg(long, value_name = "N", value_parser = super::nets, help_heading = PICTURES)]
+    #[arg(long, value_name = "N", value_parser = super::sampling::nets, help_heading = PICTURES)]
     pub nets: Option<u32>,
     /// The seeds of rows are this and the next ones, plus 1 [default: the scene's, else 0].
     #[arg(long, value_name = "N", help_heading = PICTURES)]

@@ -23,12 +23,11 @@ const COMPILE_SHARE: f64 = 0.15;
 /// The base line and what was chosen of the axes; `compile` is the seconds of compiling once.
 pub fn plan(request: &Request, axes: &[Axis], compile: f64, notes: &mut Vec<String>) -> Vec<Treatment> {
     let base = request.settings.technique;
-    let is_biased = !axes::biases(&base).is_empty();
     let mut planned = vec![Treatment {
         variant: Variant {
             axis: axes::SAMPLES.to_owned(),
             name: "as written".to_owned(),
-            kind: if is_biased { Kind::Bias } else { Kind::Variance },
+            kind: Kind::Variance,
             flags: String::new(),
         },
         technique: base,
@@ -41,7 +40,7 @@ pub fn plan(request: &Request, axes: &[Axis], compile: f64, notes: &mut Vec<Stri
             continue;
         }
         let again = |t: &Technique| Workshop::compiles_again(t, &base);
-        let fresh = axis.choices.iter().filter(|c| again(&c.technique)).count();
+        let fresh = axis.values.iter().filter(|c| again(&c.technique)).count();
         if (compiled.len() + fresh) as f64 * compile > COMPILE_SHARE * request.clock.budget && fresh > 0 {
             notes.push(format!(
                 "axis {}: left out, since compiling the scene again ({compile:.1} s) would take too much of the budget",
@@ -49,11 +48,11 @@ pub fn plan(request: &Request, axes: &[Axis], compile: f64, notes: &mut Vec<Stri
             ));
             continue;
         }
-        compiled.extend(axis.choices.iter().filter(|c| again(&c.technique)).map(|c| c.technique));
-        planned.extend(axis.choices.iter().map(|choice| Treatment {
-            variant: choice.variant(axis, &base),
-            technique: choice.technique,
-            threads: choice.threads,
+        compiled.extend(axis.values.iter().filter(|c| again(&c.technique)).map(|c| c.technique));
+        planned.extend(axis.values.iter().map(|value| Treatment {
+            variant: value.variant(axis, &base),
+            technique: value.technique,
+            threads: value.threads,
         }));
     }
     planned
@@ -69,13 +68,18 @@ fn is_chosen(choice: &AxisChoice, axis: &Axis) -> bool {
 /// Drops whole axes from the end until 4 and 16 samples of everything fit into `seconds`.
 pub fn fit(treatments: &mut Vec<Treatment>, seeds: u32, per_sample: f64, seconds: f64, notes: &mut Vec<String>) {
     const LEAST: f64 = 4.0 + 16.0;
+    let mut dropped = Vec::new();
     while let Some(last) = treatments.last().map(|t| t.variant.axis.clone())
         && last != axes::SAMPLES
         && LEAST * per_sample * f64::from(seeds) * treatments.len() as f64 > seconds
     {
         treatments.retain(|t| t.variant.axis != last);
+        dropped.insert(0, last);
+    }
+    if !dropped.is_empty() {
         notes.push(format!(
-            "axis {last}: left out for lack of time (a larger --budget, or --axes, brings it in)"
+            "axes left out for lack of time: {} (a larger --budget, or --axes, brings them in)",
+            dropped.join(", ")
         ));
     }
 }
