@@ -10,20 +10,29 @@
 pub mod ablation;
 pub mod axes;
 pub mod blocks;
+pub mod chart;
 pub mod effects;
 pub mod experiment;
+pub mod fit;
 pub mod flip;
 pub mod heatmap;
 mod image;
 pub mod ladder;
 pub mod metrics;
+mod points;
+pub mod recommend;
 pub mod runner;
+#[cfg(test)]
+mod synthetic;
+pub mod table;
 pub mod uses;
+mod words;
 pub mod workshop;
 pub mod yardstick;
 
 pub use image::Image;
 pub use metrics::{CompareError, Metrics, Options, compare, compare_with};
+pub use points::{pareto, points};
 
 /// Luminance of linear Rec. 709 in f64; exact under scaling by powers of two.
 pub(crate) fn luminance(c: [f32; 3]) -> f64 {
