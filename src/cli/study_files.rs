@@ -1,11 +1,13 @@
 //! The files of a study: their directory, tried before anything is measured, and their contents.
 
+use super::Exit;
 use super::args::StudyArgs;
 use super::console::Console;
 use super::outputs::{Refusal, check_writable};
-use super::{Exit, format};
 use crate::output::write_bytes;
-use crate::study::experiment::{Ablation, Study};
+use crate::study::experiment::Study;
+use crate::study::recommend::recommend;
+use crate::study::{chart, table};
 use std::path::{Path, PathBuf};
 
 /// Where the files go.
@@ -72,59 +74,21 @@ fn default_directory(scene: &Path) -> PathBuf {
 type Content = Result<Vec<u8>, String>;
 
 /// Names and contents, the most readable first.
-fn contents(study: &Study) -> Vec<(&'static str, Content)> {
-    let mut csv = String::from("axis,variant,kind,threads,spp,seed,load,compile,render,rays,e2,e2_se,flip,energy\n");
-    for row in &study.rows {
-        let v = &study.variants[row.variant];
-        let s = row.seconds;
-        csv += &format!(
-            "{},{},{:?},{},{},{},{},{},{},{},{},{},{},{}\n",
-            v.axis,
-            v.name,
-            v.kind,
-            row.threads,
-            row.spp,
-            row.seed,
-            s.load,
-            s.compile,
-            s.render,
-            row.rays,
-            row.e2,
-            row.e2_se,
-            row.flip,
-            row.energy
-        );
-    }
-    vec![
-        ("study.csv", Ok(csv.into_bytes())),
-        ("study.txt", Ok(format!("{study:#?}").into_bytes())),
+fn contents(study: &Study) -> [(&'static str, Content); 5] {
+    let png = chart::png(study).map_err(|e| format!("the chart cannot be drawn: {e}"));
+    [
+        ("study.md", Ok(table::markdown(study).into_bytes())),
+        ("study.svg", Ok(chart::svg(study).into_bytes())),
+        ("study.png", png),
+        ("study.csv", Ok(table::csv(study).into_bytes())),
+        ("study.json", Ok(format!("{:#}\n", table::json(study)).into_bytes())),
     ]
 }
 
-/// What people see on the terminal.
+/// What people see on the terminal: what effects cost, what was left out, and what is recommended.
 pub fn summary(study: &Study) -> Vec<String> {
     let notes = study.notes.iter().map(|note| format!("note: {note}"));
-    study.ablations.iter().map(effect_line).chain(notes).collect()
-}
-
-/// `caustics: 41 % of time, 2.3 % of energy, FLIP 0.020`.
-fn effect_line(a: &Ablation) -> String {
-    let signed = |share: f64| {
-        let sign = if share < 0.0 { "-" } else { "" };
-        format!("{sign}{}", format::percent(share.abs()))
-    };
-    if !a.significant {
-        return format!(
-            "{}: {} of time, not distinguishable from noise",
-            a.effect,
-            signed(a.time)
-        );
-    }
-    format!(
-        "{}: {} of time, {} of energy, FLIP {:.3}",
-        a.effect,
-        signed(a.time),
-        signed(a.energy),
-        a.flip
-    )
+    let effects = study.ablations.iter().map(table::effect);
+    let advice = std::iter::once(recommend(study).text);
+    effects.chain(notes).chain(advice).collect()
 }

@@ -72,9 +72,13 @@ pub fn all(base: &Technique, threads: usize, uses: &Uses) -> Vec<Axis> {
         around.axis("clamp", Kind::Bias, clamp, clamps, |t, v| t.clamp = v),
         around.words("lights", Kind::Variance, lights, |t, v| t.lights = v),
         around.words("fresnel", Kind::Bias, fresnel, |t, v| t.fresnel = v),
-        around.axis("multiple-scattering", Kind::Bias, multiple_scattering, on_off(), |t, v| {
-            t.multiple_scattering = v
-        }),
+        around.axis(
+            "multiple-scattering",
+            Kind::Bias,
+            multiple_scattering,
+            on_off(),
+            |t, v| t.multiple_scattering = v,
+        ),
         around.words("textures", Kind::Bias, textures, |t, v| t.textures = v),
         around.words("build", Kind::Variance, build, |t, v| t.build = v),
         around.threads(threads),
