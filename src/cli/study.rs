@@ -5,7 +5,7 @@ use super::console::Console;
 use super::outputs::Refusal;
 use super::study_files::Place;
 use super::study_meter::StudyMeter;
-use super::{Exit, format, plan, scene, signals};
+use super::{Exit, format, plan, replay, scene, signals};
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
 use crate::render::settings::Settings;
@@ -15,6 +15,7 @@ use crate::study::Image;
 use crate::study::experiment::Goal;
 use crate::study::runner::{self, AxisChoice, Failure, Outcome, Request};
 use crate::study::workshop::{Clock, Stopped};
+use clap::ValueEnum;
 use std::path::Path;
 use std::time::Instant;
 
@@ -125,6 +126,7 @@ fn measure(
         files: &files,
         name: args.scene.display().to_string(),
         command: command(),
+        scene_flags: scene_flags(args),
         version: version(),
         processor: processor(),
         settings: settings(args, &scene.defaults, size),
@@ -215,6 +217,28 @@ fn command() -> String {
         .map(|w| format::shell_word(&w.to_string_lossy()));
     std::iter::once("pts".to_owned())
         .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// What of the words also belongs to a render of the same scene.
+fn scene_flags(args: &StudyArgs) -> String {
+    let mut words = replay::scene_words(&args.view, &args.load);
+    let filter = args
+        .filter
+        .and_then(|f| f.to_possible_value())
+        .map(|f| f.get_name().to_owned());
+    let numbers = [
+        ("--nets", args.nets.map(u64::from)),
+        ("--threads", args.threads.map(u64::from)),
+    ];
+    words.extend(filter.into_iter().flat_map(|f| ["--filter".to_owned(), f]));
+    for (name, value) in numbers {
+        words.extend(value.into_iter().flat_map(|v| [name.to_owned(), v.to_string()]));
+    }
+    words
+        .iter()
+        .map(|w| format::shell_word(w))
         .collect::<Vec<_>>()
         .join(" ")
 }

@@ -30,6 +30,9 @@ const REFERENCE_SHARE: f64 = 0.3;
 const EFFECTS_SHARE: f64 = 0.15;
 const WRITING_SHARE: f64 = 0.03;
 
+/// A picture that takes more than this share of the budget is not made twice to learn its price.
+const PILOT_SHARE: f64 = 0.01;
+
 /// Seconds that writing takes at least, as far as a twentieth of the budget allows it.
 const WRITING_SECONDS: f64 = 1.0;
 
@@ -60,6 +63,8 @@ pub struct Request<'a> {
     pub name: String,
     /// The command line that makes the study again.
     pub command: String,
+    /// The words that say how the scene is read and seen, for commands that are recommended.
+    pub scene_flags: String,
     /// Version and commit of the program.
     pub version: String,
     /// The processor's name.
@@ -106,7 +111,7 @@ pub enum Failure {
     /// Not even the base line's first point fits into the budget.
     #[error(
         "the budget of {budget:.3} s is too short: {seeds} pictures of {spp} samples per pixel at {width}x{height} do \
-         not fit into what {spent:.1} s of reading, compiling and rendering the reference leave of it"
+         not fit into what is left of it after {spent:.1} s of reading, compiling and trying"
     )]
     Budget {
         /// The budget in seconds.
@@ -164,9 +169,10 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
         resize(&mut settings, size);
         if size != natural {
             let [w, h] = natural;
+            let larger = f64::from(w) * f64::from(h) / (f64::from(size[0]) * f64::from(size[1]));
             notes.push(format!(
-                "pictures are {}x{} pixels instead of {w}x{h}, chosen so that the budget holds more of them (-r WxH \
-                 chooses another size)",
+                "pictures are {}x{} pixels instead of {w}x{h}, so that the budget holds more of them (-r WxH chooses \
+                 another size); at {w}x{h} the same samples per pixel take about {larger:.2} times as long",
                 size[0], size[1]
             ));
         }
@@ -177,25 +183,27 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
         workshop.compiled(&treatment.technique, &mut Diagnostics::default())?;
     }
     let per_sample = pilot(&mut workshop, &request)?;
-    let (yardstick, reference) = reference(&request, &mut workshop, watch, shares.reference, &mut notes)?;
+    let too_short = || Failure::Budget {
+        budget: clock.budget,
+        spent: clock.elapsed(),
+        seeds: request.seeds,
+        spp: first_step(&request),
+        width: settings.width,
+        height: settings.height,
+    };
+    let room = shares.rows_end - clock.elapsed();
+    if f64::from(request.seeds * first_step(&request)) * per_sample > room {
+        return Err(too_short());
+    }
+    let seconds = shares.reference.min(0.5 * room);
+    let (yardstick, reference) = reference(&request, &mut workshop, watch, seconds, &mut notes)?;
 
     let mut rows = Rows::new(&request, &yardstick, &treatments, per_sample, shares.rows_end);
     let mut interrupted = rows.climb(&mut workshop, watch)?;
     if !rows.rows.iter().any(|row| row.variant == 0) {
         return Err(match interrupted {
             true => Failure::Stopped(Stopped::Interrupted),
-            false => Failure::Budget {
-                budget: clock.budget,
-                spent: clock.elapsed(),
-                seeds: request.seeds,
-                spp: request
-                    .ladder
-                    .as_ref()
-                    .and_then(|l| l.first().copied())
-                    .unwrap_or(ladder::FIRST),
-                width: settings.width,
-                height: settings.height,
-            },
+            false => too_short(),
         });
     }
     let (variants, rows, row_notes) = rows.finish(interrupted);
@@ -223,6 +231,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
             scene: request.name,
             size: [settings.width, settings.height],
             command: request.command,
+            scene_flags: request.scene_flags,
             version: request.version,
             processor: request.processor,
             threads,
@@ -275,6 +284,12 @@ fn resize(settings: &mut Settings, [width, height]: [u32; 2]) {
     (settings.width, settings.height, settings.region) = (width, height, sized.region);
 }
 
+/// Samples of the first point.
+fn first_step(request: &Request) -> u32 {
+    let given = request.ladder.as_ref().and_then(|l| l.first().copied());
+    given.unwrap_or(ladder::FIRST)
+}
+
 /// The seeds of rows and of effects.
 fn seeds(request: &Request) -> Vec<u64> {
     (1..=u64::from(request.seeds))
@@ -282,7 +297,7 @@ fn seeds(request: &Request) -> Vec<u64> {
         .collect()
 }
 
-/// Seconds of a sample of each pixel, measured on the second picture: the first warms up.
+/// Seconds of a sample of each pixel, measured on the second picture where time allows one: the first warms up.
 fn pilot(workshop: &mut Workshop, request: &Request) -> Result<f64, Stopped> {
     let order = Order {
         technique: request.settings.technique,
@@ -293,8 +308,13 @@ fn pilot(workshop: &mut Workshop, request: &Request) -> Result<f64, Stopped> {
         stage: "scene",
         what: "measuring the price of a sample",
     };
-    workshop.shoot(&order)?;
-    Ok(workshop.shoot(&order)?.seconds)
+    let first = workshop.shoot(&order)?.seconds;
+    let is_cheap = first < PILOT_SHARE * request.clock.budget;
+    Ok(if is_cheap {
+        workshop.shoot(&order)?.seconds
+    } else {
+        first
+    })
 }
 
 /// The price of a sample of each pixel in the smallest picture that may be chosen.
