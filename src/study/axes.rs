@@ -181,6 +181,10 @@ fn useless(axis: &str, uses: &Uses) -> Option<&'static str> {
         "fresnel" => (uses.dielectrics, "no surface of the scene is a dielectric"),
         "multiple-scattering" => (uses.rough_lobes, "no surface of the scene has a rough specular lobe"),
         "textures" => (uses.images, "no surface of the scene has an image"),
+        "build" => (
+            uses.many_shapes,
+            "the scene has too few shapes for the tree of boxes to matter",
+        ),
         _ => (true, ""),
     };
     (!matters).then_some(why)
@@ -237,6 +241,7 @@ mod tests {
             "fresnel",
             "multiple-scattering",
             "textures",
+            "build",
             "threads",
         ];
         assert_eq!(useless, expected);

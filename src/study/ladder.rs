@@ -6,8 +6,18 @@
 /// The first step of a ladder: as many samples as there are nets by default.
 pub const FIRST: u32 = 4;
 
-/// The share of the time for rows that is kept for the base line, whose ladder should reach farthest.
-const BASE_RESERVE: f64 = 0.15;
+/// The share of the time for all rows that is kept for the base line, whose ladder should reach farthest: forecasts
+/// and recommendations rest on it.
+pub const BASE_SHARE: f64 = 0.3;
+
+/// Seconds that are left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Left {
+    /// For everybody together.
+    pub all: f64,
+    /// Of these, for the base line alone.
+    pub reserve: f64,
+}
 
 /// What a run is expected to cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +46,7 @@ pub struct Level {
 
 /// The next step of an open ladder after one of `last` samples (`None` at the beginning), which the variants in
 /// `active` took; `costs` are those of all variants. `None` if not even the base line can take one.
-pub fn next(last: Option<u32>, active: &[usize], costs: &[Cost], seeds: u32, seconds: f64) -> Option<Level> {
+pub fn next(last: Option<u32>, active: &[usize], costs: &[Cost], seeds: u32, left: Left) -> Option<Level> {
     let wanted = match last {
         None => vec![FIRST],
         Some(spp) => [4, 2]
@@ -45,26 +55,22 @@ pub fn next(last: Option<u32>, active: &[usize], costs: &[Cost], seeds: u32, sec
             .collect(),
     };
     let all = wanted.iter().find_map(|spp| {
-        let fitting = fitting(*spp, active, costs, seeds, seconds);
+        let fitting = fitting(*spp, active, costs, seeds, left);
         (fitting.variants.len() == active.len()).then_some(fitting)
     });
     // Not all can go on: the others take the smaller step, so that what is left of the time carries far.
-    all.or_else(|| wanted.last().map(|spp| fitting(*spp, active, costs, seeds, seconds)))
+    all.or_else(|| wanted.last().map(|spp| fitting(*spp, active, costs, seeds, left)))
         .filter(|level| !level.variants.is_empty())
 }
 
-/// The variants that can take a step of `spp` samples within `seconds`, without the dearest as far as needed.
-pub fn fitting(spp: u32, active: &[usize], costs: &[Cost], seeds: u32, seconds: f64) -> Level {
+/// The variants that can take a step of `spp` samples within what is `left`, without the dearest as far as needed.
+pub fn fitting(spp: u32, active: &[usize], costs: &[Cost], seeds: u32, left: Left) -> Level {
     let mut variants: Vec<usize> = active.to_vec();
     let price = |v: &usize| costs.get(*v).map_or(f64::INFINITY, |c| c.of(spp) * f64::from(seeds));
     loop {
         let total: f64 = variants.iter().map(price).sum();
         let only_base = variants.iter().all(|v| *v == 0);
-        let limit = if only_base {
-            seconds
-        } else {
-            seconds * (1.0 - BASE_RESERVE)
-        };
+        let limit = if only_base { left.all } else { left.all - left.reserve };
         if total <= limit {
             return Level { spp, variants };
         }
@@ -99,31 +105,41 @@ mod tests {
         Cost { fixed: 0.0, per_sample }
     }
 
+    fn left(all: f64) -> Left {
+        Left { all, reserve: 0.3 }
+    }
+
     #[test]
     fn steps_are_by_four_where_all_can_take_them_and_by_two_else() {
         let costs = [cost(0.01), cost(0.01)];
-        let at = |last, seconds| next(last, &[0, 1], &costs, 5, seconds);
-        // 4 samples of two variants and five seeds are 0.4 s, which must fit into 85 %.
-        assert_eq!(
-            at(None, 0.5).unwrap(),
-            Level {
-                spp: 4,
-                variants: vec![0, 1]
-            }
-        );
-        assert_eq!(at(Some(4), 2.0).unwrap().spp, 16);
-        assert_eq!(at(Some(4), 1.0).unwrap().spp, 8);
+        let at = |last, seconds| next(last, &[0, 1], &costs, 5, left(seconds));
+        // 4 samples of two variants and five seeds are 0.4 s, besides the reserve of 0.3 s.
+        let both = |spp| {
+            let variants = vec![0, 1];
+            Some(Level { spp, variants })
+        };
+        assert_eq!(at(None, 0.75), both(4));
+        assert_eq!(at(Some(4), 2.0), both(16));
+        assert_eq!(at(Some(4), 1.2), both(8));
     }
 
     #[test]
     fn the_dearest_is_dropped_first_and_the_base_line_last() {
         let costs = [cost(0.03), cost(0.01), cost(0.02)];
-        let at = |seconds| next(Some(4), &[0, 1, 2], &costs, 5, seconds).map(|l| l.variants);
+        let at = |seconds| next(Some(4), &[0, 1, 2], &costs, 5, left(seconds)).map(|l| l.variants);
         // 8 samples and five seeds: 1.2 s, 0.4 s, 0.8 s.
-        assert_eq!(at(2.9), Some(vec![0, 1, 2]));
+        assert_eq!(at(2.8), Some(vec![0, 1, 2]));
         assert_eq!(at(2.5), Some(vec![0, 1]));
         assert_eq!(at(1.5), Some(vec![0]));
         assert_eq!(at(1.0), None);
+    }
+
+    #[test]
+    fn the_base_line_goes_on_alone_by_as_much_as_it_can() {
+        let costs = [cost(0.01)];
+        let at = |seconds| next(Some(4), &[0], &costs, 5, left(seconds)).map(|l| l.spp);
+        assert_eq!(at(0.81), Some(16));
+        assert_eq!(at(0.79), Some(8));
     }
 
     #[test]

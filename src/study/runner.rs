@@ -7,7 +7,7 @@ mod variants;
 use super::ablation::Weighing;
 use super::axes;
 use super::effects;
-use super::experiment::{Goal, Reference, Study};
+use super::experiment::{Goal, Reference, Row, Study};
 use super::ladder;
 use super::uses::Uses;
 use super::workshop::{Clock, Order, Stopped, Watch, Workshop};
@@ -39,8 +39,8 @@ const WRITING_SECONDS: f64 = 1.0;
 /// Nets of the reference at least: its noise must be known.
 const REFERENCE_NETS: u32 = 4;
 
-/// Sets the reference's random numbers apart from those of all rows.
-const REFERENCE_SEED: u64 = 0x5EED_0F7E_8E4E_2CE5;
+/// The reference's seed beyond the base line's; rows use the next ones after that, far fewer than these.
+const REFERENCE_SEED: u64 = 1_000_000;
 
 /// Which axes are varied.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +151,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
     let shares = Shares::new(&request, !effects.is_empty());
 
     let threads = rayon::current_num_threads();
-    let room = shares.rows_end - clock.elapsed() - shares.reference;
+    let room = (1.0 - ladder::BASE_SHARE) * (shares.rows_end - clock.elapsed() - shares.reference);
     let mut treatments = variants::plan(&request, &axes::all(&base, threads, &uses), compile_seconds, &mut notes);
     if request.axes == AxisChoice::Fitting {
         let smallest = if request.may_shrink {
@@ -172,7 +172,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
             let larger = f64::from(w) * f64::from(h) / (f64::from(size[0]) * f64::from(size[1]));
             notes.push(format!(
                 "pictures are {}x{} pixels instead of {w}x{h}, so that the budget holds more of them (-r WxH chooses \
-                 another size); at {w}x{h} the same samples per pixel take about {larger:.2} times as long",
+                 another size); at {w}x{h} the same samples per pixel take about {larger:.0} times as long",
                 size[0], size[1]
             ));
         }
@@ -208,6 +208,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
     }
     let (variants, rows, row_notes) = rows.finish(interrupted);
     notes.extend(row_notes);
+    notes.extend(reference_note(&reference, &rows));
 
     let mut ablations = Vec::new();
     if !effects.is_empty() && !interrupted {
@@ -369,7 +370,7 @@ fn reference(
     let order = Order {
         technique: request.settings.technique,
         threads: None,
-        seed: request.settings.seed ^ REFERENCE_SEED,
+        seed: request.settings.seed.wrapping_add(REFERENCE_SEED),
         spp: u32::MAX,
         seconds: Some(seconds),
         stage: "reference",
@@ -394,4 +395,21 @@ fn reference(
         seconds: Some(shot.seconds),
     };
     Ok((yardstick, told))
+}
+
+/// Says where the reference is too noisy for the best pictures.
+fn reference_note(reference: &Reference, rows: &[Row]) -> Option<String> {
+    let most = rows.iter().filter(|r| r.variant == 0).map(|r| r.spp).max()?;
+    let best: Vec<f64> = rows
+        .iter()
+        .filter(|r| r.variant == 0 && r.spp == most)
+        .map(|r| r.e2)
+        .collect();
+    let e2 = best.iter().sum::<f64>() / best.len() as f64;
+    let own = reference.error.filter(|own| own * own > e2)?;
+    Some(format!(
+        "the reference's own error ({:.2} %) is larger than that of the best pictures: theirs are known poorly (a larger \
+         --budget, or a better --reference, helps)",
+        100.0 * own
+    ))
 }

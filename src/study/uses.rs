@@ -39,7 +39,12 @@ pub struct Uses {
     pub environment: bool,
     /// A lens with an opening.
     pub lens: bool,
+    /// So many shapes and triangles that it matters how the tree of boxes is built.
+    pub many_shapes: bool,
 }
+
+/// A tree of no more shapes than this has two levels at most, whoever builds it.
+const FEW_SHAPES: usize = 16;
 
 impl Uses {
     /// What this scene uses; `lights` are those of the compiled scene.
@@ -50,6 +55,7 @@ impl Uses {
             hittable_lights: (0..lights.len() as u32).any(|i| !delta(&i)),
             environment: is_lighting(&scene.environment),
             lens: scene.camera().is_some_and(|c| c.lens_radius > 0.0),
+            many_shapes: is_beyond(scene, FEW_SHAPES),
             ..Uses::default()
         };
         for id in materials(scene) {
@@ -115,6 +121,16 @@ fn is_lighting(environment: &Environment) -> bool {
         EnvironmentKind::Image { strength, .. } => *strength > 0.0,
     };
     environment.illuminates && shines
+}
+
+/// Whether more shapes and triangles than this are drawn; what stands in groups counts as many.
+fn is_beyond(scene: &Scene, few: usize) -> bool {
+    let weight = |object: &Object| match object.shape {
+        Shape::Group(_) => few + 1,
+        Shape::Mesh(id) => scene.meshes.get(id.index()).map_or(0, |m| m.triangles.len()),
+        _ => 1,
+    };
+    scene.objects.iter().map(weight).sum::<usize>() > few
 }
 
 /// The materials that something drawn has, parts of mixtures included.

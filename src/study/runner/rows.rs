@@ -3,7 +3,7 @@
 use super::variants::Treatment;
 use super::{Failure, Request, seeds};
 use crate::study::experiment::{Phases, Row, Variant};
-use crate::study::ladder::{self, Cost, Level};
+use crate::study::ladder::{self, BASE_SHARE, Cost, Left, Level};
 use crate::study::workshop::{Order, Stopped, Watch, Workshop};
 use crate::study::yardstick::Yardstick;
 use std::time::Instant;
@@ -19,6 +19,8 @@ pub struct Rows<'a> {
     costs: Vec<Cost>,
     /// When the last row must be done, in seconds since the start.
     end: f64,
+    /// Seconds that are kept for the base line.
+    reserve: f64,
     /// The rows; [`Row::variant`] is the index of the treatment.
     pub rows: Vec<Row>,
     notes: Vec<String>,
@@ -45,6 +47,7 @@ impl<'a> Rows<'a> {
             treatments,
             costs: treatments.iter().map(cost).collect(),
             end,
+            reserve: BASE_SHARE * (end - request.clock.elapsed()).max(0.0),
             rows: Vec::new(),
             notes: Vec::new(),
         }
@@ -57,7 +60,10 @@ impl<'a> Rows<'a> {
         let given = self.request.ladder.clone();
         let mut given = given.as_ref().map(|l| l.iter().copied());
         loop {
-            let left = self.end - self.request.clock.elapsed();
+            let left = Left {
+                all: self.end - self.request.clock.elapsed(),
+                reserve: self.reserve,
+            };
             let level = match &mut given {
                 Some(steps) => {
                     let step = steps.next();
@@ -219,10 +225,10 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// What people call a variant: `as written`, `roulette late`.
+/// What people call a variant: `as written`, `roulette: late`.
 fn name(variant: &Variant) -> String {
     match variant.axis.as_str() {
         crate::study::axes::SAMPLES => variant.name.clone(),
-        axis => format!("{axis} {}", variant.name),
+        axis => format!("{axis}: {}", variant.name),
     }
 }
