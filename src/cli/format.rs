@@ -31,6 +31,19 @@ pub fn count(n: f64) -> String {
     }
 }
 
+/// `1 234 567`: all digits, in groups of three.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::with_capacity(digits.len() * 2);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// `2.34 %` with as many digits as make sense for an error figure.
 pub fn percent(fraction: f64) -> String {
     let p = 100.0 * fraction;
