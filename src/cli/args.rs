@@ -3,6 +3,7 @@
 use super::camera::CameraChoice;
 use super::choices::{
     Aov, ColorKind, DirectKind, FilterKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind,
+    ViewName,
 };
 use super::values::{self, Resolution};
 use clap::{Args, Parser, Subcommand};
@@ -129,6 +130,9 @@ pub struct OutputArgs {
     /// Extra layers of EXR files, separated by commas (stderr and samples are always there).
     #[arg(long, value_name = "LAYERS", value_delimiter = ',', help_heading = OUTPUT)]
     pub aov: Vec<Aov>,
+    /// What .png, .jpg and .ppm files show instead of the picture; .exr and .hdr files are as without it.
+    #[arg(long, value_name = "WHAT", conflicts_with_all = ["tonemap", "exposure", "no_dither"], help_heading = OUTPUT)]
+    pub view: Option<ViewName>,
     /// Tone curve of 8-bit images [default: none for text scenes, neutral for bare models].
     #[arg(long, value_name = "CURVE", help_heading = OUTPUT)]
     pub tonemap: Option<ToneMapKind>,

@@ -21,6 +21,8 @@ pub struct Summary<'a> {
     pub goal: &'a Goal,
     /// What came out.
     pub report: &'a Report,
+    /// What 8-bit images show instead of the picture.
+    pub view: Option<&'a str>,
     /// The command that makes it again.
     pub replay: &'a str,
 }
@@ -45,6 +47,7 @@ impl Summary<'_> {
             work += &format!(" ({})", rates.join(", "));
         }
         lines.push(work);
+        lines.extend(self.view.map(|view| format!("  view: {view}")));
         lines.push(format!("  {}", self.error()));
         lines.push(format!("  {}", self.stop()));
         lines.extend(anomalies(&report.anomalies));
@@ -109,6 +112,7 @@ impl Summary<'_> {
                 "shading_rejected": anomalies.shading_rejected,
                 "stack_overflow": anomalies.stack_overflow,
             },
+            "view": self.view,
             "replay": self.replay,
         })
     }
@@ -203,6 +207,7 @@ mod tests {
             settings: &settings,
             goal: &goal,
             report: &report,
+            view: Some("albedo"),
             replay: "pts render a.pts",
         };
         let text = summary.text();
@@ -211,6 +216,7 @@ mod tests {
             "256 samples per pixel in 2.0 s (500 k samples/s, 2.50 M rays/s)",
             "error 4.5 %, below 5.0 % with 90 % confidence",
             "the error goal of 3.0 % is not reached",
+            "\n  view: albedo\n",
             "12 samples were not finite",
             "again: pts render a.pts",
         ] {
