@@ -26,6 +26,7 @@ pub mod scene;
 pub mod signals;
 pub mod summary;
 pub mod values;
+pub mod view;
 
 use args::{Cli, Command};
 use clap::Parser;
