@@ -1,7 +1,7 @@
 //! The command line as data. Every flag is declared and explained here, once; the commands only read the result.
 
 use super::camera::CameraChoice;
-use super::choices::{Aov, ColorKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind};
+use super::choices::{Aov, ColorKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind, ViewName};
 use super::values::{self, Resolution};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -133,6 +133,9 @@ pub struct OutputArgs {
     /// Extra layers of EXR files, separated by commas (stderr and samples are always there).
     #[arg(long, value_name = "LAYERS", value_delimiter = ',', help_heading = OUTPUT)]
     pub aov: Vec<Aov>,
+    /// What .png, .jpg and .ppm files show instead of the picture; .exr and .hdr files are as without it.
+    #[arg(long, value_name = "WHAT", conflicts_with_all = ["tonemap", "exposure", "no_dither"], help_heading = OUTPUT)]
+    pub view: Option<ViewName>,
     /// Tone curve of 8-bit images [default: none for text scenes, neutral for bare models].
     #[arg(long, value_name = "CURVE", help_heading = OUTPUT)]
     pub tonemap: Option<ToneMapKind>,

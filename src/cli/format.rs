@@ -44,6 +44,19 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
+/// `312 ns`, `4.56 µs`, `7.89 ms`, `1.23 s`: three digits of a time in nanoseconds.
+pub fn nanoseconds(ns: f64) -> String {
+    let (scaled, unit) = [(1e9, "s"), (1e6, "ms"), (1e3, "µs")]
+        .into_iter()
+        .find(|(size, _)| ns >= *size)
+        .map_or((ns, "ns"), |(size, unit)| (ns / size, unit));
+    match scaled {
+        s if s >= 100.0 => format!("{s:.0} {unit}"),
+        s if s >= 10.0 => format!("{s:.1} {unit}"),
+        s => format!("{s:.2} {unit}"),
+    }
+}
+
 /// `2.34 %` with as many digits as make sense for an error figure.
 pub fn percent(fraction: f64) -> String {
     let p = 100.0 * fraction;

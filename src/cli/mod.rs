@@ -29,6 +29,7 @@ pub mod study_files;
 pub mod study_meter;
 pub mod summary;
 pub mod values;
+pub mod view;
 
 use args::{Cli, Command};
 use clap::Parser;

@@ -162,12 +162,32 @@ pub fn filter(flag: Option<FilterKind>, defaults: &RenderDefaults) -> Filter {
     }
 }
 
-fn aovs(output: &OutputArgs) -> Aovs {
-    use super::choices::Aov;
+/// The layers that the engine has to give, for `--aov` and for `--view`.
+pub fn aovs(output: &OutputArgs) -> Aovs {
+    use super::choices::{Aov, ViewName};
+    let asked = |aov| output.aov.contains(&aov);
+    let seen = |view| output.view == Some(view);
     Aovs {
-        depth: output.aov.contains(&Aov::Depth),
-        normal: output.aov.contains(&Aov::Normal),
-        albedo: output.aov.contains(&Aov::Albedo),
+        depth: asked(Aov::Depth) || seen(ViewName::Depth),
+        normal: asked(Aov::Normal) || seen(ViewName::Normal),
+        albedo: asked(Aov::Albedo) || seen(ViewName::Albedo),
+        time: asked(Aov::Time) || seen(ViewName::Time),
+        tail: asked(Aov::Tail),
+        half_a: asked(Aov::HalfA),
+        half_b: asked(Aov::HalfB),
+    }
+}
+
+/// Why a single net cannot give the layers that are asked for, if it cannot.
+pub fn needs_nets(output: &OutputArgs) -> Option<&'static str> {
+    if aovs(output).need_nets() {
+        Some(
+            "the layers tail, halfA and halfB come from the spread of several nets, and --nets 1 has one: leave it out",
+        )
+    } else if output.view == Some(super::choices::ViewName::Error) {
+        Some("--view error comes from the spread of several nets, and --nets 1 has one: leave it out")
+    } else {
+        None
     }
 }
 

@@ -51,6 +51,7 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     };
     let layers: Vec<String> = args.output.aov.iter().filter_map(|a| value_name(*a)).collect();
     flag("--aov", (!layers.is_empty()).then(|| layers.join(",")));
+    flag("--view", args.output.view.and_then(value_name));
     flag("--tonemap", args.output.tonemap.and_then(value_name));
     flag("--exposure", args.output.exposure.map(|e| e.to_string()));
     if args.output.no_dither {

@@ -23,6 +23,8 @@ pub struct Summary<'a> {
     pub report: &'a Report,
     /// The flags that bias the picture.
     pub biased: &'a [String],
+    /// What 8-bit images show instead of the picture.
+    pub view: Option<&'a str>,
     /// The command that makes it again.
     pub replay: &'a str,
 }
@@ -47,6 +49,7 @@ impl Summary<'_> {
             work += &format!(" ({})", rates.join(", "));
         }
         lines.push(work);
+        lines.extend(self.view.map(|view| format!("  view: {view}")));
         lines.push(format!("  {}", self.error()));
         lines.push(format!("  {}", self.stop()));
         if !self.biased.is_empty() {
@@ -116,6 +119,7 @@ impl Summary<'_> {
             },
             "biased": self.biased,
             "clamped": report.clamped,
+            "view": self.view,
             "replay": self.replay,
         })
     }
@@ -212,6 +216,7 @@ mod tests {
             goal: &goal,
             report: &report,
             biased: &["--clamp 10".to_owned(), "--no-caustics".to_owned()],
+            view: Some("albedo"),
             replay: "pts render a.pts",
         };
         let text = summary.text();
@@ -220,6 +225,7 @@ mod tests {
             "256 samples per pixel in 2.0 s (500 k samples/s, 2.50 M rays/s)",
             "error 4.5 %, below 5.0 % with 90 % confidence",
             "the error goal of 3.0 % is not reached",
+            "\n  view: albedo\n",
             "12 samples were not finite",
             "biased: --clamp 10 (12 345 samples clamped), --no-caustics",
             "again: pts render a.pts",

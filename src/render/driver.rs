@@ -240,10 +240,15 @@ impl Run<'_> {
             width,
             film,
             stats,
+            clock,
             ..
         } = tile;
+        let taken = film.samples();
         let (w, h) = (f64::from(self.settings.width), f64::from(self.settings.height));
         film.extend(self.settings.first + to, |pixel, index, out| {
+            if let Some(clock) = clock {
+                clock.enter(pixel);
+            }
             let (x, y) = (*x0 + pixel as u32 % *width, *y0 + pixel as u32 / *width);
             let sampler = self.kernel.sampler(y * self.settings.width + x, index);
             let path = self.kernel.trace(&sampler, stats, |u| {
@@ -268,6 +273,9 @@ impl Run<'_> {
             put(self.channels.normal, path.first.normal);
             put(self.channels.albedo, path.first.albedo);
         });
+        if let Some(clock) = clock {
+            clock.pass_ends(to - taken);
+        }
     }
 
     /// Estimates the error after a pass; `None` where it cannot be known.
