@@ -67,6 +67,31 @@ pub enum Aov {
     Samples,
     /// Relative standard error of each pixel.
     Relerr,
+    /// Nanoseconds of wall clock per sample.
+    Time,
+    /// Share of the pixel's light that its brightest net found.
+    Tail,
+    /// Mean of the even nets, independent of halfB.
+    #[value(name = "halfA")]
+    HalfA,
+    /// Mean of the odd nets.
+    #[value(name = "halfB")]
+    HalfB,
+}
+
+/// What 8-bit images show instead of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ViewName {
+    /// Relative standard error, logarithmic from 0.1 % (dark) to 100 % (bright).
+    Error,
+    /// Time of a sample, logarithmic.
+    Time,
+    /// Shading normal as colour: n/2 + 1/2.
+    Normal,
+    /// Share of light the surface reflects.
+    Albedo,
+    /// Distance along the view axis, near is bright.
+    Depth,
 }
 
 /// Tone curves.
@@ -93,17 +118,6 @@ pub enum FilterKind {
     Gaussian,
     /// Blackman–Harris, radius 1.5 pixels.
     BlackmanHarris,
-}
-
-/// How direct light is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DirectKind {
-    /// Light sampling and hits, weighted against each other.
-    Mis,
-    /// Light sampling alone.
-    Light,
-    /// Hits alone.
-    Bsdf,
 }
 
 /// When colours are used.

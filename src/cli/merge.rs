@@ -3,9 +3,9 @@
 use super::args::MergeArgs;
 use super::choices::Aov;
 use super::console::Console;
-use super::outputs::{self, Refusal, Targets};
+use super::outputs::{self, Finished, Refusal, Targets};
 use super::progress::error_to_json;
-use super::{Exit, format, parts, replay, signals};
+use super::{Exit, format, metadata, parts, plan, replay, signals};
 use crate::output::part::{Part, read_part};
 use crate::render::kernel::PathStats;
 use crate::render::picture::{Channels, NetSums, estimate};
@@ -41,6 +41,11 @@ fn merge(args: &MergeArgs, console: &Console) -> Result<Exit, Refusal> {
         let message = "merge needs to be told where the picture goes: add -o picture.exr (or -o larger.ptspart)";
         return Err((Exit::Usage, message.to_owned()));
     }
+    if plan::aovs(&args.output).time {
+        let message = "times cannot be merged: part files hold what was sampled, not how long it took; \
+                       ask pts render for --aov time or --view time";
+        return Err((Exit::Usage, message.to_owned()));
+    }
     let targets = outputs::plan(&args.output, Path::new(""))?;
     let whole = bring_together(&args.parts)?;
     let samples = whole
@@ -66,8 +71,8 @@ fn merge(args: &MergeArgs, console: &Console) -> Result<Exit, Refusal> {
     let error = (gap.is_none() && samples.end - samples.start >= LEAST_SPP)
         .then(|| whole.error())
         .flatten();
-    let (written, images_done) = whole.write(args, &targets, &samples, error, console)?;
-    let written = [written, parts_written].concat();
+    let (images_written, images_done, view) = whole.write(args, &targets, &samples, error, console)?;
+    let written = [images_written, parts_written].concat();
     if !written.is_empty() {
         let shape = whole.pixels.shape;
         console.say(&format!(
@@ -87,6 +92,9 @@ fn merge(args: &MergeArgs, console: &Console) -> Result<Exit, Refusal> {
         let (error, bound) = (format::percent(e.error), format::percent(e.bound));
         let confidence = format::percent(CONFIDENCE);
         console.say(&format!("  error {error}, below {bound} with {confidence} confidence"));
+    }
+    if let Some(view) = view {
+        console.say(&format!("  view: {view}"));
     }
     Ok(if parts_done && images_done {
         Exit::Done
@@ -159,11 +167,12 @@ fn add(whole: &mut Whole, part: Part, path: &Path, seen: &[Seen]) -> Result<(), 
     };
     let stats = PathStats {
         rays: parts::rays(&part.header),
+        clamped: parts::clamped(&part.header),
         anomalies: parts::anomalies(&part.header),
     };
     // One of two commands that differ in what does not matter: the choice must not depend on the order.
     if part.header["command"].as_str() < whole.header["command"].as_str() {
-        for key in ["command", "scene"] {
+        for key in ["command", "scene", "biased"] {
             whole.header[key] = part.header[key].clone();
         }
     }
@@ -201,6 +210,7 @@ fn has(covers: &Pixels, overlap: &Overlap) -> bool {
 }
 
 impl Whole {
+    /// The layers that are in the sums.
     fn layers(&self) -> Aovs {
         let has = |word: &str| {
             let layers = self.header["settings"]["layers"].as_array();
@@ -210,6 +220,7 @@ impl Whole {
             depth: has("depth"),
             normal: has("normal"),
             albedo: has("albedo"),
+            ..Aovs::default()
         }
     }
 
@@ -230,9 +241,9 @@ impl Whole {
         })
     }
 
-    fn picture(&self, channels: &Channels) -> Picture {
+    fn picture(&self, aovs: Aovs, channels: &Channels) -> Picture {
         let shape = self.pixels.shape;
-        let mut picture = Picture::black(shape.width, shape.height, channels);
+        let mut picture = Picture::black(shape.width, shape.height, aovs);
         let mut sums = NetSums::new(shape.nets, shape.channels as usize);
         for (y, run) in (0..)
             .zip(&self.pixels.rows)
@@ -246,7 +257,8 @@ impl Whole {
         picture
     }
 
-    /// Writes all images; fails where they cannot be made at all.
+    /// Writes all images; fails where they cannot be made at all. Returns the names, whether all were written, and what
+    /// the view shows.
     fn write(
         &self,
         args: &MergeArgs,
@@ -254,37 +266,47 @@ impl Whole {
         samples: &Range<u32>,
         error: Option<ErrorEstimate>,
         console: &Console,
-    ) -> Result<(Vec<String>, bool), Refusal> {
+    ) -> Result<(Vec<String>, bool, Option<String>), Refusal> {
         let layers = self.layers();
         let channels = Channels::new(layers);
         if channels.count != self.pixels.shape.channels as usize {
             return Err(at_fault("the parts' headers tell other layers than the parts hold"));
         }
-        let asked = |aov| args.output.aov.contains(&aov);
+        let asked = plan::aovs(&args.output);
         let summed = [
-            (Aov::Depth, layers.depth),
-            (Aov::Normal, layers.normal),
-            (Aov::Albedo, layers.albedo),
+            ("depth", asked.depth, layers.depth),
+            ("normal", asked.normal, layers.normal),
+            ("albedo", asked.albedo, layers.albedo),
         ];
-        if let Some((missing, _)) = summed.into_iter().find(|(aov, there)| asked(*aov) && !there) {
-            let message = format!("the parts were rendered without the layer {missing:?}: render them with --aov");
+        if let Some((name, ..)) = summed.into_iter().find(|(_, asked, there)| *asked && !there) {
+            let message = format!("the parts were rendered without the layer {name}: render them with --aov {name}");
             return Err(at_fault(&message));
         }
+        if let Some(why) = plan::needs_nets(&args.output).filter(|_| self.pixels.shape.nets == 1) {
+            return Err(at_fault(&format!("the parts were rendered with --nets 1: {why}")));
+        }
         if targets.images.is_empty() {
-            return Ok((Vec::new(), true));
+            return Ok((Vec::new(), true, None));
         }
         let display = parts::display(&self.header);
         let curve = args.output.tonemap.unwrap_or(display.tonemap);
         let develop = outputs::develop(&args.output, curve, display.linear);
-        let layers = outputs::layers(self.picture(&channels), &args.output.aov);
+        // Layers that the parts have are written without being asked for.
+        let mut output = args.output.clone();
+        let there = [
+            (Aov::Depth, layers.depth),
+            (Aov::Normal, layers.normal),
+            (Aov::Albedo, layers.albedo),
+        ];
+        output
+            .aov
+            .extend(there.iter().filter(|(_, there)| *there).map(|(aov, _)| *aov));
+        let picture = self.picture(plan::aovs(&output), &channels);
+        let picture = Finished::new(picture, &output, develop);
         let metadata = self.describe(samples, error);
-        Ok(outputs::write_all(
-            &targets.images,
-            &layers,
-            &develop,
-            |_| metadata.clone(),
-            console,
-        ))
+        let describe = |_| metadata.clone();
+        let (written, done) = outputs::write_all(&targets.images, &picture, describe, console);
+        Ok((written, done, picture.about_view()))
     }
 
     /// What images say about how they were made; the keys are those of a render.
@@ -299,7 +321,7 @@ impl Whole {
         if *frame != Region::whole(shape.width, shape.height) {
             command += &format!(" --region {}", replay::region_word(frame));
         }
-        json!({
+        let mut value = json!({
             "version": header["version"],
             "scene": header["scene"],
             "scene_hash": header["scene_hash"],
@@ -314,6 +336,13 @@ impl Whole {
             "error_goal": null,
             "confidence": CONFIDENCE,
             "error": error_to_json(error.as_ref()),
-        })
+        });
+        let words = |list: &Value| -> Vec<String> {
+            let words = list.as_array().into_iter().flatten().filter_map(Value::as_str);
+            words.map(str::to_owned).collect()
+        };
+        let (technique, biased) = (words(&settings["technique"]), words(&header["biased"]));
+        metadata::stamp(&mut value, &technique, &biased, parts::clamped(header));
+        value
     }
 }

@@ -2,9 +2,10 @@
 
 use super::Exit;
 use super::args::OutputArgs;
-use super::choices::{Aov, ToneMapKind};
+use super::choices::{Aov, ToneMapKind, ViewName};
 use super::console::Console;
-use crate::output::{self, Develop, Format, Layers, OutputError, ToneMap, part};
+use super::view;
+use crate::output::{self, Develop, Format, Layers, OutputError, ToneMap, View, part};
 use crate::render::pixels::Rows;
 use crate::render::report::Picture;
 use serde_json::Value;
@@ -94,7 +95,21 @@ pub fn plan(args: &OutputArgs, scene: &Path) -> Result<Targets, Refusal> {
     if !args.aov.is_empty() && parts.is_empty() && !targets.iter().any(|t| t.format() == Format::Exr) {
         return usage("--aov needs an OpenEXR output, the only one with layers: add -o name.exr");
     }
+    if args.aov.contains(&Aov::Time) && !targets.iter().any(|t| t.format() == Format::Exr) {
+        return usage("--aov time needs an OpenEXR output: part files do not hold times");
+    }
+    if args.view.is_some() && !targets.iter().any(|t| is_display(t.format())) {
+        return usage("--view is for images that show what is in them: add -o name.png (or .jpg, .ppm)");
+    }
     Ok(Targets { images: targets, parts })
+}
+
+/// Whether images of this format hold what a display shows, not light.
+pub fn is_display(format: Format) -> bool {
+    match format {
+        Format::Png | Format::Jpeg | Format::Ppm => true,
+        Format::Exr | Format::Hdr => false,
+    }
 }
 
 fn is_stdout(path: &Path) -> bool {
@@ -148,20 +163,60 @@ pub fn develop(args: &OutputArgs, tonemap: ToneMapKind, display_is_linear: bool)
     }
 }
 
-/// The picture's buffers as they are written.
-pub fn layers(picture: Picture, aovs: &[Aov]) -> Layers {
-    let relerr = aovs.contains(&Aov::Relerr).then(|| relative_error(&picture));
-    Layers {
-        width: picture.width,
-        height: picture.height,
-        rgb: picture.rgb,
-        stderr: Some(picture.stderr),
-        samples: Some(picture.samples),
-        depth: picture.depth,
-        normal: picture.normal,
-        albedo: picture.albedo,
-        relerr,
-        ..Layers::default()
+/// A picture as it is written.
+pub struct Finished {
+    layers: Layers,
+    develop: Develop,
+    view: Option<View>,
+}
+
+impl Finished {
+    /// Gives the layers their names. What was computed only for a view is not written.
+    pub fn new(picture: Picture, args: &OutputArgs, develop: Develop) -> Finished {
+        let asked = |aov| args.aov.contains(&aov);
+        let relerr = (asked(Aov::Relerr) || args.view == Some(ViewName::Error)).then(|| relative_error(&picture));
+        let mut layers = Layers {
+            width: picture.width,
+            height: picture.height,
+            rgb: picture.rgb,
+            alpha: None,
+            stderr: Some(picture.stderr),
+            samples: Some(picture.samples),
+            depth: picture.depth,
+            normal: picture.normal,
+            albedo: picture.albedo,
+            relerr,
+            time: picture.time,
+            tail: picture.tail,
+            half_a: picture.half_a,
+            half_b: picture.half_b,
+        };
+        let view = args.view.and_then(|name| output::view(view::kind(name), &layers));
+        layers.relerr = layers.relerr.filter(|_| asked(Aov::Relerr));
+        layers.depth = layers.depth.filter(|_| asked(Aov::Depth));
+        layers.normal = layers.normal.filter(|_| asked(Aov::Normal));
+        layers.albedo = layers.albedo.filter(|_| asked(Aov::Albedo));
+        layers.time = layers.time.filter(|_| asked(Aov::Time));
+        Finished { layers, develop, view }
+    }
+
+    /// What the view shows, if there is one.
+    pub fn about_view(&self) -> Option<String> {
+        self.view.as_ref().map(view::about)
+    }
+
+    /// What is written in this format.
+    fn of(&self, format: Format) -> (&Layers, Develop) {
+        match &self.view {
+            Some(view) if is_display(format) => {
+                let plain = Develop {
+                    dither: false,
+                    ..Develop::default()
+                };
+                (&view.layers, plain)
+            }
+            _ => (&self.layers, self.develop),
+        }
     }
 }
 
@@ -169,7 +224,9 @@ pub fn layers(picture: Picture, aovs: &[Aov]) -> Layers {
 /// ε = 10⁻²·(mean luminance)² of the image error: the image error is the root mean square of this layer.
 fn relative_error(picture: &Picture) -> Vec<f32> {
     let luminance = |c: &[f32; 3]| 0.2126 * f64::from(c[0]) + 0.7152 * f64::from(c[1]) + 0.0722 * f64::from(c[2]);
-    let mean = picture.rgb.iter().map(luminance).sum::<f64>() / picture.rgb.len().max(1) as f64;
+    // Pixels outside of a region are no part of the picture.
+    let sampled = || picture.rgb.iter().zip(&picture.samples).filter(|(_, n)| **n > 0);
+    let mean = sampled().map(|(rgb, _)| luminance(rgb)).sum::<f64>() / sampled().count().max(1) as f64;
     let floor = 1e-2 * mean * mean;
     let pixels = picture.rgb.iter().zip(&picture.stderr);
     pixels
@@ -188,14 +245,18 @@ fn relative_error(picture: &Picture) -> Vec<f32> {
 /// `metadata` is made for the target's format. Returns the names written, and whether all were.
 pub fn write_all(
     targets: &[Target],
-    layers: &Layers,
-    develop: &Develop,
+    picture: &Finished,
     metadata: impl Fn(Format) -> Value,
     console: &Console,
 ) -> (Vec<String>, bool) {
     let mut written = Vec::new();
     for target in targets {
-        match write_one(target, layers, develop, &metadata(target.format())) {
+        let (layers, develop) = picture.of(target.format());
+        let mut metadata = metadata(target.format());
+        if let Some(about) = picture.about_view().filter(|_| is_display(target.format())) {
+            metadata["view"] = Value::from(about);
+        }
+        match write_one(target, layers, &develop, &metadata) {
             Ok(non_finite) => {
                 if non_finite > 0 {
                     let name = target.name();
@@ -264,6 +325,7 @@ mod tests {
             height: 1,
             rgb: vec![[1.0; 3], [0.0; 3]],
             stderr: vec![[0.1, 0.1, 0.1], [0.02, 0.0, 0.0]],
+            samples: vec![64; 2],
             ..Picture::default()
         };
         let layer = relative_error(&picture);
@@ -280,6 +342,7 @@ mod tests {
             height: 1,
             rgb: vec![[0.0; 3]],
             stderr: vec![[0.0; 3]],
+            samples: vec![64],
             ..Picture::default()
         };
         assert_eq!(relative_error(&picture), [0.0]);

@@ -1,10 +1,10 @@
 //! Decides what is rendered: the command line over the scene over the built-in defaults.
 
 use super::args::{OutputArgs, PartArgs, QualityArgs, RenderArgs};
-use super::choices::{DirectKind, FilterKind, ToneMapKind};
+use super::choices::{FilterKind, ToneMapKind};
 use super::values::MAX_SPP;
 use crate::render::settings::{Aovs, Filter, Region, Settings, StopRules};
-use crate::render::technique::{Direct, Technique};
+use crate::render::technique::Technique;
 use crate::scene::{self, Aspect, Handedness, RenderDefaults, Scene};
 use std::time::Instant;
 
@@ -82,16 +82,21 @@ pub fn region(args: &PartArgs, [width, height]: [u32; 2]) -> Result<Region, Stri
 /// Width and height: flags, else the scene's, else by the aspect of a model's camera, else 800×600.
 /// Where only one of both is given the other follows by the aspect of what would have been chosen.
 pub fn resolution(args: &QualityArgs, scene: &Scene) -> [u32; 2] {
-    if let Some(r) = args.resolution {
-        return [r.width, r.height];
+    match args.resolution {
+        Some(r) => [r.width, r.height],
+        None => size([args.width, args.height], scene),
     }
+}
+
+/// The same where columns and rows are given one by one.
+pub fn size(given: [Option<u32>; 2], scene: &Scene) -> [u32; 2] {
     let base = scene.defaults.resolution.unwrap_or_else(|| by_camera(scene));
     let aspect = f64::from(base[0]) / f64::from(base[1]);
-    match (args.width, args.height) {
-        (Some(width), Some(height)) => [width, height],
-        (Some(width), None) => [width, pixels(f64::from(width) / aspect)],
-        (None, Some(height)) => [pixels(f64::from(height) * aspect), height],
-        (None, None) => base,
+    match given {
+        [Some(width), Some(height)] => [width, height],
+        [Some(width), None] => [width, pixels(f64::from(width) / aspect)],
+        [None, Some(height)] => [pixels(f64::from(height) * aspect), height],
+        [None, None] => base,
     }
 }
 
@@ -134,20 +139,19 @@ pub fn settings(args: &RenderArgs, scene: &Scene, size: [u32; 2], goal: &Goal, s
 
 /// What trades accuracy for time.
 fn technique(args: &RenderArgs, defaults: &RenderDefaults) -> Technique {
-    let (sampling, base) = (&args.sampling, Technique::default());
+    let given = args.sampling.technique();
     Technique {
-        max_depth: sampling.max_depth.or(defaults.max_depth).unwrap_or(base.max_depth),
-        direct: match sampling.direct {
-            Some(DirectKind::Mis) => Direct::Mis,
-            Some(DirectKind::Light) => Direct::Light,
-            Some(DirectKind::Bsdf) => Direct::Bsdf,
-            None => base.direct,
-        },
-        ..base
+        max_depth: args
+            .sampling
+            .max_depth
+            .or(defaults.max_depth)
+            .unwrap_or(given.max_depth),
+        ..given
     }
 }
 
-fn filter(flag: Option<FilterKind>, defaults: &RenderDefaults) -> Filter {
+/// The pixel filter: the flag's, else the scene's, else the default.
+pub fn filter(flag: Option<FilterKind>, defaults: &RenderDefaults) -> Filter {
     match (flag, defaults.filter) {
         (Some(FilterKind::Box), _) | (None, Some(scene::FilterKind::Box)) => Filter::Box,
         (Some(FilterKind::Gaussian), _) | (None, Some(scene::FilterKind::Gaussian)) => Filter::Gaussian,
@@ -158,12 +162,32 @@ fn filter(flag: Option<FilterKind>, defaults: &RenderDefaults) -> Filter {
     }
 }
 
-fn aovs(output: &OutputArgs) -> Aovs {
-    use super::choices::Aov;
+/// The layers that the engine has to give, for `--aov` and for `--view`.
+pub fn aovs(output: &OutputArgs) -> Aovs {
+    use super::choices::{Aov, ViewName};
+    let asked = |aov| output.aov.contains(&aov);
+    let seen = |view| output.view == Some(view);
     Aovs {
-        depth: output.aov.contains(&Aov::Depth),
-        normal: output.aov.contains(&Aov::Normal),
-        albedo: output.aov.contains(&Aov::Albedo),
+        depth: asked(Aov::Depth) || seen(ViewName::Depth),
+        normal: asked(Aov::Normal) || seen(ViewName::Normal),
+        albedo: asked(Aov::Albedo) || seen(ViewName::Albedo),
+        time: asked(Aov::Time) || seen(ViewName::Time),
+        tail: asked(Aov::Tail),
+        half_a: asked(Aov::HalfA),
+        half_b: asked(Aov::HalfB),
+    }
+}
+
+/// Why a single net cannot give the layers that are asked for, if it cannot.
+pub fn needs_nets(output: &OutputArgs) -> Option<&'static str> {
+    if aovs(output).need_nets() {
+        Some(
+            "the layers tail, halfA and halfB come from the spread of several nets, and --nets 1 has one: leave it out",
+        )
+    } else if output.view == Some(super::choices::ViewName::Error) {
+        Some("--view error comes from the spread of several nets, and --nets 1 has one: leave it out")
+    } else {
+        None
     }
 }
 
@@ -179,6 +203,7 @@ pub fn scene_tone_map(scene: &Scene) -> ToneMapKind {
 mod tests {
     use super::*;
     use crate::cli::args::{Cli, Command};
+    use crate::render::technique::Direct;
     use crate::scene::Camera;
     use clap::Parser;
     use glam::DVec3;

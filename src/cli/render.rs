@@ -2,13 +2,13 @@
 
 use super::args::RenderArgs;
 use super::console::Console;
-use super::outputs::{self, Targets};
+use super::outputs::{self, Finished, Targets};
 use super::parts::{self, Display};
 use super::plan::{self, Goal};
 use super::progress::Meter;
 use super::summary::{Summary, is_goal_missed};
 use super::{Exit, checkpoint, format, metadata, replay, scene, signals};
-use crate::compile::compile;
+use crate::compile::compile_with;
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
 use crate::output::part::Part;
@@ -102,6 +102,11 @@ fn prepare(args: &RenderArgs) -> Result<Targets, outputs::Refusal> {
     if args.sampling.nets == Some(1) && args.quality.error.is_some() {
         let message = "--error needs several sample nets to estimate the error from: leave --nets 1 out";
         return Err((Exit::Usage, message.to_owned()));
+    }
+    if args.sampling.nets == Some(1)
+        && let Some(why) = plan::needs_nets(&args.output)
+    {
+        return Err((Exit::Usage, why.to_owned()));
     }
     let targets = outputs::plan(&args.output, args.scene())?;
     checkpoint::check(&args.parts)?;
@@ -203,7 +208,7 @@ fn build<F: Files>(
         return Ok(None);
     }
     let compiling = Instant::now();
-    let Some(compiled) = compile(&scene, files, size[0], size[1], diags) else {
+    let Some(compiled) = compile_with(&scene, files, size[0], size[1], &settings.technique, diags) else {
         return Ok(None);
     };
     console.detail(&format!(
@@ -264,22 +269,24 @@ fn conclude(
 ) -> Exit {
     let (picture, mut report, tiles) = (rendered.picture, rendered.report, rendered.tiles);
     report.anomalies = parts::anomalies(&header); // of all samples, also of those before a checkpoint
+    report.clamped = parts::clamped(&header);
     let report = &report;
     let interrupted = report.stop == StopReason::Interrupted;
-    let (written, all_written) = if interrupted && tiles.samples().1 == 0 {
+    let (written, all_written, view) = if interrupted && tiles.samples().1 == 0 {
         console.warn("interrupted before the first sample: nothing is written");
-        (Vec::new(), true)
+        (Vec::new(), true, None)
     } else {
         let paths = [&targets.parts[..], args.parts.checkpoint.as_slice()].concat();
         let (parts_written, parts_done) = outputs::write_parts(&paths, &header, &tiles, console);
         drop(tiles);
-        let layers = outputs::layers(picture, &args.output.aov);
+        let picture = Finished::new(picture, &args.output, job.develop);
         let describe = |format: Format| {
             // Only OpenEXR files tell the time, so that two runs give the same PNG byte by byte.
             metadata::describe(args, &job.hash, &job.settings, &job.goal, report, format == Format::Exr)
         };
-        let (written, images_done) = outputs::write_all(&targets.images, &layers, &job.develop, describe, console);
-        ([written, parts_written].concat(), images_done && parts_done)
+        let (written, images_done) = outputs::write_all(&targets.images, &picture, describe, console);
+        let view = picture.about_view();
+        ([written, parts_written].concat(), images_done && parts_done, view)
     };
     let exit = if !all_written {
         Exit::Output
@@ -296,6 +303,8 @@ fn conclude(
         settings: &job.settings,
         goal: &job.goal,
         report,
+        biased: &args.sampling.technique().biased(),
+        view: view.as_deref(),
         replay: &replay,
     };
     if console.is_json() {

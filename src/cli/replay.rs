@@ -1,9 +1,10 @@
 //! The command line that makes the same picture again, bit by bit.
 
-use super::args::RenderArgs;
+use super::args::{LoadArgs, RenderArgs, ViewArgs};
 use super::format::shell_word;
 use super::metadata::filter_word;
 use crate::render::settings::{Region, Settings};
+use crate::render::technique::Technique;
 use clap::ValueEnum;
 
 /// The words after `pts render`: what was given and what was decided, with the samples that were taken instead
@@ -38,40 +39,62 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     let names_seed = args.sampling.seed.is_some() || settings.seed != 0;
     flag("--seed", names_seed.then(|| settings.seed.to_string()));
     flag("--nets", args.sampling.nets.map(|n| n.to_string()));
-    flag("--max-depth", args.sampling.max_depth.map(|n| n.to_string()));
     flag(
         "--filter",
         args.sampling.filter.map(|_| filter_word(settings.filter).to_owned()),
     );
-    flag("--direct", args.sampling.direct.and_then(value_name));
-    flag("--camera", args.view.camera.as_ref().map(|c| c.to_string()));
-    flag(
-        "--env-color",
-        args.view.env_color.map(|[r, g, b]| format!("{r},{g},{b}")),
-    );
-    flag("--env-map", args.view.env_map.as_ref().map(|p| p.display().to_string()));
-    flag("--light-scale", args.view.light_scale.map(|f| f.to_string()));
-    for dir in &args.load.include {
-        flag("-I", Some(dir.display().to_string()));
-    }
-    for (name, value) in &args.load.define {
-        flag("-D", Some(format!("{name}={value}")));
-    }
-    flag("--clock", args.load.clock.map(|t| t.to_string()));
-    flag("--gltf-scene", args.load.gltf_scene.clone());
-    flag("--variant", args.load.variant.clone());
+    words.extend(scene_words(&args.view, &args.load));
+    let mut flag = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            words.extend([name.to_owned(), value]);
+        }
+    };
     let layers: Vec<String> = args.output.aov.iter().filter_map(|a| value_name(*a)).collect();
     flag("--aov", (!layers.is_empty()).then(|| layers.join(",")));
+    flag("--view", args.output.view.and_then(value_name));
     flag("--tonemap", args.output.tonemap.and_then(value_name));
     flag("--exposure", args.output.exposure.map(|e| e.to_string()));
     if args.output.no_dither {
         words.push("--no-dither".to_owned());
+    }
+    // What stands on the command line; a limit of bounces in the scene speaks for itself.
+    let technique = Technique {
+        max_depth: u32::MAX,
+        ..args.sampling.technique()
+    };
+    words.extend(technique.flags());
+    if let Some(depth) = args.sampling.max_depth {
+        words.extend(["--max-depth".to_owned(), depth.to_string()]);
     }
     if let Some(spp) = spp {
         words.extend(part_words(args, settings, spp.max(1)));
     }
     let quoted: Vec<String> = words.iter().map(|w| shell_word(w)).collect();
     quoted.join(" ")
+}
+
+/// The words that say how a scene is read and seen, not quoted.
+pub fn scene_words(view: &ViewArgs, load: &LoadArgs) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut flag = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            words.extend([name.to_owned(), value]);
+        }
+    };
+    flag("--camera", view.camera.as_ref().map(|c| c.to_string()));
+    flag("--env-color", view.env_color.map(|[r, g, b]| format!("{r},{g},{b}")));
+    flag("--env-map", view.env_map.as_ref().map(|p| p.display().to_string()));
+    flag("--light-scale", view.light_scale.map(|f| f.to_string()));
+    for dir in &load.include {
+        flag("-I", Some(dir.display().to_string()));
+    }
+    for (name, value) in &load.define {
+        flag("-D", Some(format!("{name}={value}")));
+    }
+    flag("--clock", load.clock.map(|t| t.to_string()));
+    flag("--gltf-scene", load.gltf_scene.clone());
+    flag("--variant", load.variant.clone());
+    words
 }
 
 /// Which samples of which pixels.
@@ -129,6 +152,13 @@ mod tests {
             "1,0.5,0",
             "--direct",
             "light",
+            "--sampler",
+            "independent",
+            "--clamp",
+            "0.1",
+            "--no-caustics",
+            "--max-depth",
+            "7",
             "--nets",
             "8",
             "--filter",
@@ -151,6 +181,8 @@ mod tests {
         settings.seed = 7;
         settings.filter = crate::render::settings::Filter::Box;
         let text = command(&first, &settings, 4, true);
+        let technique = "--sampler independent --direct light --clamp 0.1 --no-caustics --max-depth 7";
+        assert!(text.contains(technique), "{text}");
         // No word of this command holds a blank but the camera's.
         let camera = "'location=1,2,3 angle=40'";
         let shielded = text.replace(camera, "CAMERA");

@@ -3,8 +3,8 @@
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::files::Files;
 use crate::math::color::linear_from_srgb;
-use crate::pictures::{self, Limits, Picture};
-use crate::render::texture::{ImageData, Texels};
+use crate::pictures::{self, Limits, Picture, Texels};
+use crate::render::texture::ImageData;
 use crate::scene::{Image, ImageId, ImageSource, Scene};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -41,7 +41,10 @@ impl<'a> Images<'a> {
             .collect();
         new.sort();
         new.dedup();
-        let decoded: Vec<_> = new.par_iter().map(|id| self.decode(*id).map(texture_image)).collect();
+        let decoded: Vec<_> = new
+            .par_iter()
+            .map(|id| self.decode(*id).map(|p| ImageData::new(p.width, p.height, p.texels)))
+            .collect();
         for (id, result) in new.into_iter().zip(decoded) {
             let place = match result {
                 Ok(Some(data)) => {
@@ -120,7 +123,7 @@ impl<'a> Images<'a> {
             ImageSource::Pixels { width, height, data } => Ok(Picture {
                 width: *width,
                 height: *height,
-                texels: pictures::Texels::RgbF32(data.to_vec()),
+                texels: Texels::RgbF32(data.to_vec()),
             }),
             ImageSource::Bytes(bytes) => pictures::decode(bytes, &image.name, Limits::default()),
             ImageSource::File(path) => match self.files.read(path) {
@@ -142,21 +145,4 @@ fn referred_to(mut d: Diagnostic, image: &Image) -> Diagnostic {
         d = super::at_place(d, &image.place);
     }
     d
-}
-
-/// The engine's form of a picture; the texels move, they are not copied.
-fn texture_image(picture: Picture) -> Option<ImageData> {
-    use pictures::Texels as From;
-    let texels = match picture.texels {
-        From::Gray8(t) => Texels::Gray8(t),
-        From::Rgb8(t) => Texels::Rgb8(t),
-        From::Rgba8(t) => Texels::Rgba8(t),
-        From::Gray16(t) => Texels::Gray16(t),
-        From::Rgb16(t) => Texels::Rgb16(t),
-        From::Rgba16(t) => Texels::Rgba16(t),
-        From::GrayF32(t) => Texels::RgbF32(t.into_iter().map(|v| [v; 3]).collect()),
-        From::RgbF32(t) => Texels::RgbF32(t),
-        From::RgbaF32(t) => Texels::RgbaF32(t),
-    };
-    ImageData::new(picture.width, picture.height, texels)
 }

@@ -25,15 +25,15 @@ pub struct Layers {
     pub normal: Option<Vec<[f32; 3]>>,
     /// Mean albedo of the first surface (`albedo.R`, …).
     pub albedo: Option<Vec<[f32; 3]>>,
-    /// Relative standard error (`relerr`).
+    /// Relative standard error (`relerr`); NaN where the standard error is not known.
     pub relerr: Option<Vec<f32>>,
-    /// Seconds spent (`time`).
+    /// Nanoseconds of wall clock per sample (`time`); NaN where it is not known.
     pub time: Option<Vec<f32>>,
-    /// Weight of the distribution's tail (`tail`).
+    /// Share of the pixel's light that its brightest net has (`tail`), from 1/nets to 1; NaN where it is not known.
     pub tail: Option<Vec<f32>>,
-    /// Mean of the first half of the nets (`halfA.R`, …).
+    /// Mean of the even nets (`halfA.R`, …).
     pub half_a: Option<Vec<[f32; 3]>>,
-    /// Mean of the second half of the nets (`halfB.R`, …).
+    /// Mean of the odd nets (`halfB.R`, …).
     pub half_b: Option<Vec<[f32; 3]>>,
 }
 

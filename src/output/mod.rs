@@ -9,10 +9,12 @@ mod develop;
 mod error;
 pub mod part;
 mod tonemap;
+mod view;
 mod write;
 
 pub use channels::Layers;
 pub use develop::{AlphaUse, Develop, develop};
 pub use error::OutputError;
 pub use tonemap::ToneMap;
+pub use view::{View, ViewKind, view};
 pub use write::{Encoded, Format, check_place, check_target, encode, format_of, write, write_bytes};

@@ -5,6 +5,7 @@
 //! The encoders ([`png`], [`jpeg`], [`hdr`], [`ppm`], [`exr`]) turn finished pixels into the bytes of a file;
 //! what those pixels are (tone mapping, channel names) is decided in `output`.
 
+pub mod colormap;
 mod decode;
 mod decode_exr;
 mod encode_exr;

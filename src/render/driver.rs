@@ -128,6 +128,7 @@ fn render_tiles(
         seconds: begun.elapsed().as_secs_f64(),
         error: run.look(&tiles, spp),
         anomalies: stats.anomalies,
+        clamped: stats.clamped,
     };
     Rendered {
         picture: tiles.picture(),
@@ -239,10 +240,15 @@ impl Run<'_> {
             width,
             film,
             stats,
+            clock,
             ..
         } = tile;
+        let taken = film.samples();
         let (w, h) = (f64::from(self.settings.width), f64::from(self.settings.height));
         film.extend(self.settings.first + to, |pixel, index, out| {
+            if let Some(clock) = clock {
+                clock.enter(pixel);
+            }
             let (x, y) = (*x0 + pixel as u32 % *width, *y0 + pixel as u32 / *width);
             let sampler = self.kernel.sampler(y * self.settings.width + x, index);
             let path = self.kernel.trace(&sampler, stats, |u| {
@@ -267,6 +273,9 @@ impl Run<'_> {
             put(self.channels.normal, path.first.normal);
             put(self.channels.albedo, path.first.albedo);
         });
+        if let Some(clock) = clock {
+            clock.pass_ends(to - taken);
+        }
     }
 
     /// Estimates the error after a pass; `None` where it cannot be known.
@@ -330,6 +339,7 @@ impl PathStats {
     /// Adds another tile's counts.
     pub fn add(&mut self, other: &PathStats) {
         self.rays += other.rays;
+        self.clamped += other.clamped;
         let mut all: Anomalies = self.anomalies;
         all.add(&other.anomalies);
         self.anomalies = all;

@@ -7,6 +7,7 @@
 pub mod accel;
 pub mod bsdf;
 pub mod camera;
+pub mod clock;
 pub mod driver;
 pub mod estimate;
 pub mod film;

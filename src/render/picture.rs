@@ -25,7 +25,7 @@ pub struct Channels {
 }
 
 impl Channels {
-    /// For these layers.
+    /// For these layers; those that are not sums of samples take no channel.
     pub fn new(aovs: Aovs) -> Channels {
         let mut count = 3;
         let mut take = |wanted: bool, n: usize| {
@@ -98,6 +98,29 @@ impl NetSums {
         std::array::from_fn(|c| if n > 0.0 { (self.total(at + c) / n) as f32 } else { 0.0 })
     }
 
+    /// The mean colour of every second net from `first` on; NaN without samples.
+    fn half_mean(&self, first: usize) -> [f32; 3] {
+        let sums = self.sums.chunks_exact(self.channels).skip(first).step_by(2);
+        let n: u32 = self.points.iter().skip(first).step_by(2).sum();
+        let total = |c: usize| sums.clone().fold(0.0, |t, net| t + net[c]);
+        [0, 1, 2].map(|c| (total(c) / f64::from(n)) as f32)
+    }
+
+    /// The share of the light that the net with the most of it has; see [`Picture::tail`].
+    fn tail(&self) -> f32 {
+        let nets = self.sums.chunks_exact(self.channels).zip(&self.points);
+        let lights = nets.filter(|(_, points)| **points > 0);
+        let lights = lights.map(|(sum, points)| (sum[0] + sum[1] + sum[2]).abs() / f64::from(*points));
+        let (count, most, all) = lights.fold((0, 0.0f64, 0.0), |(n, m, a), s| (n + 1, m.max(s), a + s));
+        if count < 2 {
+            f32::NAN
+        } else if all == 0.0 {
+            0.0
+        } else {
+            (most / all) as f32
+        }
+    }
+
     /// Colour means of each net.
     fn net_means(&mut self) -> &[[f64; 3]] {
         let sums = self.sums.chunks_exact(self.channels).zip(&self.points);
@@ -110,7 +133,7 @@ impl NetSums {
 
 impl Picture {
     /// A black picture without samples.
-    pub fn black(width: u32, height: u32, channels: &Channels) -> Picture {
+    pub fn black(width: u32, height: u32, aovs: Aovs) -> Picture {
         let n = width as usize * height as usize;
         Picture {
             width,
@@ -118,13 +141,17 @@ impl Picture {
             rgb: vec![[0.0; 3]; n],
             stderr: vec![[f32::NAN; 3]; n],
             samples: vec![0; n],
-            depth: channels.depth.map(|_| vec![f32::INFINITY; n]),
-            normal: channels.normal.map(|_| vec![[0.0; 3]; n]),
-            albedo: channels.albedo.map(|_| vec![[0.0; 3]; n]),
+            depth: aovs.depth.then(|| vec![f32::INFINITY; n]),
+            normal: aovs.normal.then(|| vec![[0.0; 3]; n]),
+            albedo: aovs.albedo.then(|| vec![[0.0; 3]; n]),
+            time: aovs.time.then(|| vec![f32::NAN; n]),
+            tail: aovs.tail.then(|| vec![f32::NAN; n]),
+            half_a: aovs.half_a.then(|| vec![[0.0; 3]; n]),
+            half_b: aovs.half_b.then(|| vec![[0.0; 3]; n]),
         }
     }
 
-    /// Sets a pixel.
+    /// Sets a pixel, all but its time.
     pub fn put(&mut self, x: u32, y: u32, sums: &mut NetSums, channels: &Channels) {
         let at = y as usize * self.width as usize + x as usize;
         let samples = sums.samples();
@@ -143,6 +170,14 @@ impl Picture {
         }
         if let (Some(layer), Some(c)) = (&mut self.albedo, channels.albedo) {
             layer[at] = sums.mean(c);
+        }
+        if let Some(layer) = &mut self.tail {
+            layer[at] = sums.tail();
+        }
+        for (first, layer) in [&mut self.half_a, &mut self.half_b].into_iter().enumerate() {
+            if let Some(layer) = layer.as_mut().filter(|_| samples > 0) {
+                layer[at] = sums.half_mean(first);
+            }
         }
     }
 }
@@ -169,4 +204,51 @@ pub fn estimate<B: Sync>(
         visit(block, &mut |sums| errors.add(i, sums.net_means()));
     }
     errors.estimate(confidence)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums of grey nets: points and the mean of each.
+    fn sums(nets: &[(u32, f64)]) -> NetSums {
+        let mut sums = NetSums::new(nets.len() as u32, 3);
+        for (net, (points, mean)) in (0..).zip(nets) {
+            let (sum, count) = sums.net_mut(net);
+            *count = *points;
+            sum.fill(mean * f64::from(*points));
+        }
+        sums
+    }
+
+    #[test]
+    fn the_tail_is_the_share_of_the_brightest_net() {
+        for (nets, expected) in [
+            (&[(16, 2.0), (16, 2.0), (16, 2.0), (16, 2.0)][..], 0.25),
+            (&[(16, 0.0), (16, 0.0), (16, 9.0), (16, 0.0)], 1.0),
+            (&[(2, 1.0), (2, 1.0), (1, 1.0), (1, 1.0)], 0.25), // means, not sums: more samples are no larger share
+            (&[(1, 3.0), (1, 1.0), (0, 0.0), (0, 0.0)], 0.75),
+            (&[(4, 0.0), (4, 0.0), (4, 0.0), (4, 0.0)], 0.0),
+        ] {
+            assert_eq!(sums(nets).tail(), expected, "{nets:?}");
+        }
+        assert!(sums(&[(1, 3.0), (0, 0.0), (0, 0.0), (0, 0.0)]).tail().is_nan());
+    }
+
+    #[test]
+    fn the_halves_of_a_pixel_average_to_it() {
+        let aovs = Aovs {
+            half_a: true,
+            half_b: true,
+            ..Aovs::default()
+        };
+        let channels = Channels::new(aovs);
+        let mut picture = Picture::black(3, 1, aovs);
+        picture.put(0, 0, &mut sums(&[(8, 1.0), (8, 2.0), (8, 3.0), (8, 6.0)]), &channels);
+        picture.put(1, 0, &mut sums(&[(1, 5.0), (0, 0.0), (0, 0.0), (0, 0.0)]), &channels);
+        let (a, b) = (picture.half_a.unwrap(), picture.half_b.unwrap());
+        assert_eq!((a[0], b[0], picture.rgb[0]), ([2.0; 3], [4.0; 3], [3.0; 3]));
+        assert!(a[1] == [5.0; 3] && b[1][0].is_nan());
+        assert_eq!((a[2], b[2]), ([0.0; 3], [0.0; 3]));
+    }
 }

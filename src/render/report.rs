@@ -96,6 +96,8 @@ pub struct Report {
     pub error: Option<ErrorEstimate>,
     /// What went wrong.
     pub anomalies: Anomalies,
+    /// Samples that were scaled down by [`super::technique::Technique::clamp`].
+    pub clamped: u64,
 }
 
 /// A finished picture: linear RGB means and what else was asked for, row by row from the top left.
@@ -117,4 +119,14 @@ pub struct Picture {
     pub normal: Option<Vec<[f32; 3]>>,
     /// Mean albedo.
     pub albedo: Option<Vec<[f32; 3]>>,
+    /// Nanoseconds of wall clock that a sample took on its thread, over the samples of this run; NaN where there are
+    /// none. What else the machine did meanwhile is in it, so that no two runs give the same.
+    pub time: Option<Vec<f32>>,
+    /// max |s|/Σ|s| over the nets, s the sum R + G + B of a net's mean: 1/nets where all nets agree, 1 where all the
+    /// light was found by one of them; 0 for a black pixel, NaN where fewer than two nets have samples.
+    pub tail: Option<Vec<f32>>,
+    /// Mean of the samples of nets 0, 2, 4, …; NaN where those have none but others do. Independent of `half_b`.
+    pub half_a: Option<Vec<[f32; 3]>>,
+    /// As `half_a`, of nets 1, 3, 5, …
+    pub half_b: Option<Vec<[f32; 3]>>,
 }

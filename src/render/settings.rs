@@ -36,6 +36,21 @@ pub struct Aovs {
     pub normal: bool,
     /// Mean albedo of the first hit.
     pub albedo: bool,
+    /// Nanoseconds a sample took.
+    pub time: bool,
+    /// Share of the light that the brightest net has.
+    pub tail: bool,
+    /// Mean of the even nets.
+    pub half_a: bool,
+    /// Mean of the odd nets.
+    pub half_b: bool,
+}
+
+impl Aovs {
+    /// Whether one of the layers compares nets with each other, so that a single net cannot give it.
+    pub fn need_nets(&self) -> bool {
+        self.tail || self.half_a || self.half_b
+    }
 }
 
 /// A rectangle of pixels, counted from the top left.

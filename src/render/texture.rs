@@ -5,46 +5,11 @@
 
 use super::surface::Attributes;
 use crate::math::portable::pow;
+use crate::pictures::Texels;
 use glam::{Affine2, Vec2, Vec3, Vec4};
 use std::sync::LazyLock;
 
-/// Texels as they are stored, row by row from the top left. Channels that are absent read as grey, and alpha as 1.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Texels {
-    /// One 8-bit channel.
-    Gray8(Vec<u8>),
-    /// Three 8-bit channels.
-    Rgb8(Vec<[u8; 3]>),
-    /// Four 8-bit channels.
-    Rgba8(Vec<[u8; 4]>),
-    /// One 16-bit channel.
-    Gray16(Vec<u16>),
-    /// Three 16-bit channels.
-    Rgb16(Vec<[u16; 3]>),
-    /// Four 16-bit channels.
-    Rgba16(Vec<[u16; 4]>),
-    /// Linear floats.
-    RgbF32(Vec<[f32; 3]>),
-    /// Linear floats with alpha.
-    RgbaF32(Vec<[f32; 4]>),
-}
-
-impl Texels {
-    fn len(&self) -> usize {
-        match self {
-            Texels::Gray8(v) => v.len(),
-            Texels::Rgb8(v) => v.len(),
-            Texels::Rgba8(v) => v.len(),
-            Texels::Gray16(v) => v.len(),
-            Texels::Rgb16(v) => v.len(),
-            Texels::Rgba16(v) => v.len(),
-            Texels::RgbF32(v) => v.len(),
-            Texels::RgbaF32(v) => v.len(),
-        }
-    }
-}
-
-/// A decoded image of at least one texel.
+/// A decoded image of at least one texel, as its file stores it: float texels are linear, integers may be sRGB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageData {
     width: u32,
@@ -107,6 +72,7 @@ impl ImageData {
                 let [r, g, b, a] = v[i];
                 Vec4::new(word(r), word(g), word(b), word_alpha(a))
             }
+            Texels::GrayF32(v) => Vec3::splat(v[i]).extend(1.0),
             Texels::RgbF32(v) => Vec3::from(v[i]).extend(1.0),
             Texels::RgbaF32(v) => Vec4::from(v[i]),
         }

@@ -1,11 +1,12 @@
 //! The tiles a picture is rendered in.
 
+use super::clock::PixelClock;
 use super::film::TileFilm;
 use super::kernel::PathStats;
 use super::picture::{Channels, NetSums, estimate};
 use super::pixels::{Pixels, Rows, Run, Shape, pixel_len, push_run};
 use super::report::{ErrorEstimate, Picture};
-use super::settings::{Region, Settings};
+use super::settings::{Aovs, Region, Settings};
 
 /// Side of a tile in pixels: small enough that an interruption is answered at once.
 pub const TILE: u32 = 16;
@@ -24,6 +25,8 @@ pub struct Tile {
     pub film: TileFilm,
     /// What happened in it.
     pub stats: PathStats,
+    /// What its pixels cost, if that is asked for.
+    pub clock: Option<PixelClock>,
 }
 
 /// Why a render cannot go on from sums that were kept.
@@ -83,6 +86,7 @@ pub struct Tiles {
     columns: usize,
     region: Region,
     shape: Shape,
+    aovs: Aovs,
     channels: Channels,
 }
 
@@ -102,6 +106,7 @@ impl Tiles {
             height: r.height(),
             film: film(&r),
             stats: PathStats::default(),
+            clock: settings.aovs.time.then(|| PixelClock::new(r.pixels() as usize)),
         };
         Tiles {
             all: region.blocks(TILE).map(tile).collect(),
@@ -113,6 +118,7 @@ impl Tiles {
                 nets: settings.nets,
                 channels: channels.count as u32,
             },
+            aovs: settings.aovs,
             channels,
         }
     }
@@ -196,13 +202,16 @@ impl Tiles {
 
     /// The picture so far.
     pub fn picture(&self) -> Picture {
-        let mut picture = Picture::black(self.shape.width, self.shape.height, &self.channels);
+        let mut picture = Picture::black(self.shape.width, self.shape.height, self.aovs);
         let mut sums = NetSums::new(self.shape.nets, self.channels.count);
         for tile in &self.all {
             for pixel in 0..tile.width * tile.height {
                 tile.net_sums(pixel as usize, &mut sums);
                 let (x, y) = (tile.x0 + pixel % tile.width, tile.y0 + pixel / tile.width);
                 picture.put(x, y, &mut sums, &self.channels);
+                if let (Some(layer), Some(clock)) = (&mut picture.time, &tile.clock) {
+                    layer[y as usize * self.shape.width as usize + x as usize] = clock.per_sample(pixel as usize);
+                }
             }
         }
         picture

@@ -5,6 +5,7 @@ use super::blocks::{self, NoiseTest};
 use super::metrics::{CompareError, Options, Pair, linear, relative_square};
 use super::{Image, flip};
 use crate::math::color::linear_from_srgb;
+use crate::pictures::colormap::{UNKNOWN, magma};
 
 /// What a heat map shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,30 +23,6 @@ pub enum Kind {
 
 /// Decades below 1 that [`Kind::Error`] shows.
 const DECADES: f64 = 3.0;
-
-/// Colour of blocks without a score.
-const UNKNOWN: [u8; 3] = [96; 3];
-
-/// Colours of matplotlib's "magma" (S. van der Walt and N. Smith, 2015, CC0) at sixteenths, sRGB.
-const MAGMA: [[u8; 3]; 17] = [
-    [0, 0, 4],
-    [10, 8, 34],
-    [29, 17, 71],
-    [54, 16, 107],
-    [81, 18, 124],
-    [106, 28, 129],
-    [131, 38, 129],
-    [156, 46, 127],
-    [183, 55, 121],
-    [207, 64, 112],
-    [229, 80, 100],
-    [244, 105, 92],
-    [251, 135, 97],
-    [254, 165, 113],
-    [254, 194, 135],
-    [253, 224, 161],
-    [252, 253, 191],
-];
 
 /// The heat map in linear colour, one pixel for each of the images' (pixels that are not finite are left out as
 /// everywhere, and dark). `Ok(None)` if [`Kind::Z`] is asked for and neither image brings standard errors.
@@ -82,16 +59,6 @@ fn magma_of(values: Vec<f32>) -> Vec<[f32; 3]> {
     values.into_iter().map(|v| magma(f64::from(v))).collect()
 }
 
-/// The colour of a value in [0, 1], linear; values outside have that of the nearer end.
-fn magma(value: f64) -> [f32; 3] {
-    let last = MAGMA.len() - 1;
-    let at = value.clamp(0.0, 1.0) * last as f64;
-    let low = (at as usize).min(last - 1);
-    let t = at - low as f64;
-    let code = |c: usize| f64::from(MAGMA[low][c]) * (1.0 - t) + f64::from(MAGMA[low + 1][c]) * t;
-    [0, 1, 2].map(|c| linear_from_srgb(code(c) / 255.0) as f32)
-}
-
 fn z_map(a: &Image, b: &Image, test: &NoiseTest) -> Vec<[f32; 3]> {
     let color = |block: &blocks::Block| {
         let code = match block.extreme() {
@@ -119,16 +86,6 @@ mod tests {
 
     fn code(color: [f32; 3]) -> [u8; 3] {
         color.map(|c| (crate::math::color::srgb_from_linear(f64::from(c)) * 255.0).round() as u8)
-    }
-
-    /// Source: matplotlib's own 256 entries.
-    #[test]
-    fn magma_has_the_published_colours() {
-        assert_eq!(code(magma(0.0)), [0, 0, 4]);
-        assert_eq!(code(magma(1.0)), [252, 253, 191]);
-        assert_eq!(code(magma(0.5)), [183, 55, 121]);
-        assert_eq!([magma(-1.0), magma(7.0)], [magma(0.0), magma(1.0)]);
-        assert_eq!(magma(f64::NEG_INFINITY), magma(0.0));
     }
 
     #[test]

@@ -117,6 +117,8 @@ pub fn with(entries: Vec<Entry>) -> Study {
         scene: "cornell.pts".to_owned(),
         size: [640, 480],
         command: "pts study cornell.pts --budget 10m --error 2%".to_owned(),
+
+        scene_flags: String::new(),
         version: "pts 0.1.0 (1a42351)".to_owned(),
         processor: "AMD EPYC 7763 64-Core Processor".to_owned(),
         threads: 8,
