@@ -39,9 +39,10 @@ pub const BASE: Law = Law {
 pub const LADDER: [u32; 5] = [4, 16, 64, 256, 1024];
 
 /// Axis, name, kind, law.
-type Entry = (&'static str, &'static str, Kind, Law);
+pub type Entry = (&'static str, &'static str, Kind, Law);
 
-fn entry(axis: &'static str, name: &'static str, kind: Kind, noise: f64, bias: f64, cost: f64) -> Entry {
+/// With the base line's noise and seconds for a sample times the given factors.
+pub fn entry(axis: &'static str, name: &'static str, kind: Kind, noise: f64, bias: f64, cost: f64) -> Entry {
     let law = Law {
         c: BASE.c * noise,
         a: BASE.a,

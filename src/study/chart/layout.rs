@@ -21,11 +21,13 @@ const BELOW: f64 = 1.75 * SIZE;
 const LINE: f64 = 1.35 * SIZE;
 /// Variants that share one panel, the base line not counted; more get a panel for each axis.
 const SHARED: usize = 5;
-/// Panels in a row.
+/// Panels in a row, at most.
 const COLUMNS: usize = 3;
 const COLUMN_GAP: f64 = 16.0;
 /// Heights of plots: the only one, the overview, one of an axis.
 const HEIGHTS: [f64; 3] = [400.0, 275.0, 112.0];
+/// What a plot of an axis is higher for each column that it need not leave to others.
+const ROOMY: f64 = 80.0;
 /// Space between the labels of an error axis.
 pub const TICK_GAP: f64 = 0.6 * SIZE;
 /// Farther than this from all that was measured, the goal is told in the caption instead of shown.
@@ -167,8 +169,10 @@ fn caption(chart: &Chart) -> Vec<String> {
         marks.push("Arrows at the lower edge: E too small for this reference to tell from 0.".to_owned());
     }
     match study.goal {
-        Goal::Error(e) if !chart.error.holds(e) => marks.push(format!("The goal of {} lies outside.", percent(e))),
-        Goal::Seconds(s) if !chart.seconds.holds(s) => {
+        Goal::Error(e) if e > 0.0 && !chart.error.holds(e) => {
+            marks.push(format!("The goal of {} lies outside.", percent(e)))
+        }
+        Goal::Seconds(s) if s > 0.0 && !chart.seconds.holds(s) => {
             marks.push(format!("The goal of {} lies outside.", duration(s)));
         }
         _ => {}
@@ -262,9 +266,11 @@ impl Sheet {
 
     /// A panel for each axis, in rows.
     fn axes(&mut self, chart: &Chart, axes: &[(String, Vec<usize>)]) {
-        let width = (WIDTH - EDGE - self.left - COLUMN_GAP * (COLUMNS - 1) as f64) / COLUMNS as f64;
+        let columns = axes.len().clamp(1, COLUMNS);
+        let width = (WIDTH - EDGE - self.left - COLUMN_GAP * (columns - 1) as f64) / columns as f64;
+        let height = HEIGHTS[2] + ROOMY * (COLUMNS - columns) as f64;
         let mut top = self.y + 0.6 * SIZE;
-        for (row, group) in axes.chunks(COLUMNS).enumerate() {
+        for (row, group) in axes.chunks(columns).enumerate() {
             let mut panels: Vec<Panel> = group
                 .iter()
                 .enumerate()
@@ -277,26 +283,26 @@ impl Sheet {
                         room: Room::new([left, top], [left + width, top]),
                         legend: 0.0,
                         // Below the last panel of each column.
-                        labelled: [column == 0, (row + 1) * COLUMNS + column >= axes.len()],
+                        labelled: [column == 0, (row + 1) * columns + column >= axes.len()],
                     }
                 })
                 .collect();
             let legend = panels.iter().map(|p| p.legend_height(chart)).fold(0.0, f64::max);
-            let bottom = top + legend + 0.3 * SIZE + HEIGHTS[2];
+            let bottom = top + legend + 0.3 * SIZE + height;
             let below = panels.iter().any(|panel| panel.labelled[1]);
             for panel in &mut panels {
                 panel.legend = legend;
                 panel.room.max[1] = bottom;
                 self.shapes.extend(panel.draw(chart));
             }
-            self.name_rows(bottom);
+            self.name_row(bottom - 0.5 * height);
             top = bottom + if below { BELOW } else { 0.0 } + 0.5 * SIZE;
         }
         self.y = top;
     }
 
-    fn name_rows(&mut self, bottom: f64) {
-        let at = [EDGE + 0.8 * SIZE, bottom - 0.5 * HEIGHTS[2]];
+    fn name_row(&mut self, middle: f64) {
+        let at = [EDGE + 0.8 * SIZE, middle];
         self.shapes.push(Shape::Words(Text {
             upward: true,
             ..Text::new("error E", at, SIZE).anchored(Anchor::Middle)

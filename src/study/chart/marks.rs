@@ -187,13 +187,14 @@ impl Ink<'_> {
     }
 
     /// A bar from the least to the greatest E of the seeds.
-    fn spread(&self, point: &Point, x: f64, style: &Style) -> Vec<Shape> {
+    fn spread(&mut self, point: &Point, x: f64, style: &Style) -> Vec<Shape> {
         let low = point.spread.start.max(self.chart.error.low);
         let high = point.spread.end.min(self.chart.error.high);
         if point.rows < 2 || low.is_nan() || high.is_nan() || low >= high {
             return Vec::new();
         }
         let [low, high] = [low, high].map(|e| self.y.at(e));
+        self.labels.take(Room::new([x - 3.5, high], [x + 3.5, low]));
         let stroke = || Stroke::solid(style.line.color, 1.3);
         let cap = |y: f64| Shape::segment([x - 3.5, y], [x + 3.5, y], stroke());
         let mut parts = vec![Shape::segment([x, low], [x, high], stroke()), cap(high)];
