@@ -3,7 +3,7 @@
 use super::experiment::{Goal, Row, Study};
 use super::fit::{Band, Law};
 use super::points::{median, usable};
-use super::words::{duration, percent, range, shell_word, significant};
+use super::words::{duration, percent, range, rough_duration, rough_percent, shell_word, significant};
 
 /// How much faster another variant must be expected to be before it is preferred to the scene as written.
 const WORTH_IT: f64 = 1.1;
@@ -246,11 +246,11 @@ fn text(study: &Study, pick: &Pick, choice: &Choice) -> String {
     let [low, middle, high] = choice.error;
     let mut sentences = vec![format!(
         "Expected on {threads} of this processor: an error of about {} ({}) in about {}{}, {} samples per pixel.",
-        percent2(middle),
-        range(low, high, percent2),
-        duration2(choice.seconds[1]),
-        match range(choice.seconds[0], choice.seconds[2], duration2) {
-            same if same == duration2(choice.seconds[1]) => String::new(),
+        rough_percent(middle),
+        range(low, high, rough_percent),
+        rough_duration(choice.seconds[1]),
+        match range(choice.seconds[0], choice.seconds[2], rough_duration) {
+            same if same == rough_duration(choice.seconds[1]) => String::new(),
             range => format!(" ({range})"),
         },
         choice.spp,
@@ -260,7 +260,7 @@ fn text(study: &Study, pick: &Pick, choice: &Choice) -> String {
         (Some(gain), _) => sentences.push(format!(
             "`{label}` changes the expected picture, by less than {} here, and is {} times faster than the best variant \
              that does not.",
-            percent2(law.floor_bound),
+            rough_percent(law.floor_bound),
             significant(gain, 2)
         )),
         (None, Some(gain)) => sentences.push(format!(
@@ -280,14 +280,6 @@ fn text(study: &Study, pick: &Pick, choice: &Choice) -> String {
         ));
     }
     format!("    {}\n\n{}", choice.command, sentences.join(" "))
-}
-
-fn percent2(share: f64) -> String {
-    format!("{} %", significant(100.0 * share, 2))
-}
-
-fn duration2(seconds: f64) -> String {
-    duration(seconds)
 }
 
 #[cfg(test)]
