@@ -104,7 +104,7 @@ pub enum Failure {
     Reference(#[from] CompareError),
     /// Not even the base line's first point fits into the budget.
     #[error(
-        "the budget of {budget:.3} s is too short: {seeds} pictures of {spp} samples per pixel at {width}x{height} do \
+        "the budget of {budget} s is too short: {seeds} pictures of {spp} samples per pixel at {width}x{height} do \
          not fit into what is left of it after {spent:.1} s of reading, compiling and trying"
     )]
     Budget {
@@ -225,6 +225,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
         study: Study {
             scene: request.name,
             size: [settings.width, settings.height],
+            full_size: [request.settings.width, request.settings.height],
             command: request.command,
             scene_flags: request.scene_flags,
             version: request.version,

@@ -142,6 +142,8 @@ pub fn json(study: &Study) -> Value {
         "scene": study.scene,
         "width": study.size[0],
         "height": study.size[1],
+        "full_width": study.full_size[0],
+        "full_height": study.full_size[1],
         "command": study.command,
         "version": study.version,
         "processor": study.processor,
