@@ -237,6 +237,7 @@ mod tests {
         let useless: Vec<&str> = axes.iter().filter(|a| a.useless.is_some()).map(|a| a.name).collect();
         let expected = [
             "direct",
+            "adaptive",
             "lights",
             "fresnel",
             "multiple-scattering",
