@@ -8,9 +8,11 @@ use std::path::{Path, PathBuf};
 
 mod parts;
 mod sampling;
+mod study;
 
 pub use parts::{MergeArgs, PartArgs};
 pub use sampling::SamplingArgs;
+pub use study::{Ladder, STUDY_EXIT_CODES, StudyArgs};
 
 /// A path tracer for scenes written as text (POV-Ray's language, grown), glTF and OBJ, with honest error figures.
 ///
@@ -63,6 +65,9 @@ pub enum Command {
     /// Measure how far an image is from a reference, and whether noise explains it.
     #[command(after_help = COMPARE_EXIT_CODES)]
     Compare(CompareArgs),
+    /// Measure what accuracy costs in time: render a scene in many ways and draw error against seconds.
+    #[command(visible_alias = "tradeoff", after_help = STUDY_EXIT_CODES)]
+    Study(Box<StudyArgs>),
     /// Bring part files (.ptspart) together: the picture is the one that a single render of all samples gives, bit by bit.
     #[command(after_help = EXIT_CODES)]
     Merge(MergeArgs),

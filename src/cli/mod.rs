@@ -25,6 +25,9 @@ pub mod render;
 pub mod replay;
 pub mod scene;
 pub mod signals;
+pub mod study;
+pub mod study_files;
+pub mod study_meter;
 pub mod summary;
 pub mod values;
 pub mod view;
@@ -88,6 +91,7 @@ pub fn main() -> ExitCode {
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Merge(args)) => merge::run(&args),
+        Some(Command::Study(args)) => study::run(&args),
         None => render::run(&cli.render),
     };
     match std::thread::Builder::new().stack_size(STACK).spawn(run) {

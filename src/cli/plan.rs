@@ -112,16 +112,21 @@ pub fn region(args: &PartArgs, [width, height]: [u32; 2]) -> Result<Region, Stri
 /// Width and height: flags, else the scene's, else by the aspect of a model's camera, else 800×600.
 /// Where only one of both is given the other follows by the aspect of what would have been chosen.
 pub fn resolution(args: &QualityArgs, scene: &Scene) -> [u32; 2] {
-    if let Some(r) = args.resolution {
-        return [r.width, r.height];
+    match args.resolution {
+        Some(r) => [r.width, r.height],
+        None => size([args.width, args.height], scene),
     }
+}
+
+/// The same where columns and rows are given one by one.
+pub fn size(given: [Option<u32>; 2], scene: &Scene) -> [u32; 2] {
     let base = scene.defaults.resolution.unwrap_or_else(|| by_camera(scene));
     let aspect = f64::from(base[0]) / f64::from(base[1]);
-    match (args.width, args.height) {
-        (Some(width), Some(height)) => [width, height],
-        (Some(width), None) => [width, pixels(f64::from(width) / aspect)],
-        (None, Some(height)) => [pixels(f64::from(height) * aspect), height],
-        (None, None) => base,
+    match given {
+        [Some(width), Some(height)] => [width, height],
+        [Some(width), None] => [width, pixels(f64::from(width) / aspect)],
+        [None, Some(height)] => [pixels(f64::from(height) * aspect), height],
+        [None, None] => base,
     }
 }
 
@@ -175,7 +180,8 @@ fn technique(args: &RenderArgs, defaults: &RenderDefaults) -> Technique {
     }
 }
 
-fn filter(flag: Option<FilterKind>, defaults: &RenderDefaults) -> Filter {
+/// The pixel filter: the flag's, else the scene's, else the default.
+pub fn filter(flag: Option<FilterKind>, defaults: &RenderDefaults) -> Filter {
     match (flag, defaults.filter) {
         (Some(FilterKind::Box), _) | (None, Some(scene::FilterKind::Box)) => Filter::Box,
         (Some(FilterKind::Gaussian), _) | (None, Some(scene::FilterKind::Gaussian)) => Filter::Gaussian,

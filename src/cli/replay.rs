@@ -1,6 +1,6 @@
 //! The command line that makes the same picture again, bit by bit.
 
-use super::args::RenderArgs;
+use super::args::{LoadArgs, RenderArgs, ViewArgs};
 use super::format::shell_word;
 use super::metadata::filter_word;
 use crate::render::settings::{Region, Settings};
@@ -43,22 +43,12 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
         "--filter",
         args.sampling.filter.map(|_| filter_word(settings.filter).to_owned()),
     );
-    flag("--camera", args.view.camera.as_ref().map(|c| c.to_string()));
-    flag(
-        "--env-color",
-        args.view.env_color.map(|[r, g, b]| format!("{r},{g},{b}")),
-    );
-    flag("--env-map", args.view.env_map.as_ref().map(|p| p.display().to_string()));
-    flag("--light-scale", args.view.light_scale.map(|f| f.to_string()));
-    for dir in &args.load.include {
-        flag("-I", Some(dir.display().to_string()));
-    }
-    for (name, value) in &args.load.define {
-        flag("-D", Some(format!("{name}={value}")));
-    }
-    flag("--clock", args.load.clock.map(|t| t.to_string()));
-    flag("--gltf-scene", args.load.gltf_scene.clone());
-    flag("--variant", args.load.variant.clone());
+    words.extend(scene_words(&args.view, &args.load));
+    let mut flag = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            words.extend([name.to_owned(), value]);
+        }
+    };
     let layers: Vec<String> = args.output.aov.iter().filter_map(|a| value_name(*a)).collect();
     flag("--aov", (!layers.is_empty()).then(|| layers.join(",")));
     flag("--view", args.output.view.and_then(value_name));
@@ -81,6 +71,30 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     }
     let quoted: Vec<String> = words.iter().map(|w| shell_word(w)).collect();
     quoted.join(" ")
+}
+
+/// The words that say how a scene is read and seen, not quoted.
+pub fn scene_words(view: &ViewArgs, load: &LoadArgs) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut flag = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            words.extend([name.to_owned(), value]);
+        }
+    };
+    flag("--camera", view.camera.as_ref().map(|c| c.to_string()));
+    flag("--env-color", view.env_color.map(|[r, g, b]| format!("{r},{g},{b}")));
+    flag("--env-map", view.env_map.as_ref().map(|p| p.display().to_string()));
+    flag("--light-scale", view.light_scale.map(|f| f.to_string()));
+    for dir in &load.include {
+        flag("-I", Some(dir.display().to_string()));
+    }
+    for (name, value) in &load.define {
+        flag("-D", Some(format!("{name}={value}")));
+    }
+    flag("--clock", load.clock.map(|t| t.to_string()));
+    flag("--gltf-scene", load.gltf_scene.clone());
+    flag("--variant", load.variant.clone());
+    words
 }
 
 /// Which samples of which pixels.

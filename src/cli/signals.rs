@@ -12,16 +12,18 @@ static HAS_PICTURE: AtomicBool = AtomicBool::new(false);
 
 /// Starts to listen. Without the permission to do so the default action of the signals remains.
 pub fn install(announce: bool) {
+    install_for(announce, "the picture so far is saved");
+}
+
+/// As [`install`], with words of its own for what is kept.
+pub fn install_for(announce: bool, kept: &'static str) {
     let _ = ctrlc::set_handler(move || {
         let first = !STOP_ASKED.swap(true, Ordering::SeqCst);
         if !first || !HAS_PICTURE.load(Ordering::SeqCst) {
             std::process::exit(i32::from(Exit::Interrupted.code()));
         }
         if announce {
-            let _ = writeln!(
-                std::io::stderr(),
-                "\nstopping; the picture so far is saved (once more to quit without it)"
-            );
+            let _ = writeln!(std::io::stderr(), "\nstopping; {kept} (once more to quit without it)");
         }
     });
 }

@@ -129,6 +129,9 @@ pub struct Study {
     pub size: [u32; 2],
     /// The command line that makes it again.
     pub command: String,
+    /// The command line's words that say how the scene is read and seen (camera, light, definitions, filter, seed);
+    /// empty if there are none.
+    pub scene_flags: String,
     /// Version and commit of the program.
     pub version: String,
     /// The processor's name.

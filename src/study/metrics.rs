@@ -161,6 +161,15 @@ pub fn compare_with(a: &Image, b: &Image, options: &Options) -> Result<Metrics, 
     })
 }
 
+/// [`Metrics::flip`] alone, at exposure 0.
+pub fn mean_flip(a: &Image, b: &Image) -> Result<f64, CompareError> {
+    let pair = Pair::new(a, b)?;
+    let [shown_a, shown_b] = [&pair.a, &pair.b].map(|image| linear(&pair.develop(image, 0.0)));
+    let map = flip::ldr(&shown_a, &shown_b, a.width as usize);
+    let finite = map.iter().zip(&pair.finite).filter(|(_, finite)| **finite);
+    Ok(finite.map(|(e, _)| f64::from(*e)).sum::<f64>() / pair.pixels() as f64)
+}
+
 /// Σ over channels of (x − m)² / (Y² + ε), of which `square` is the numerator; 0/0, black in a black image, is 0.
 pub(super) fn relative_square(square: f64, m: Vec3, floor: f64) -> f64 {
     if square == 0.0 {

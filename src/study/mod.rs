@@ -2,22 +2,33 @@
 //!
 //! [`Image`] is what is compared: linear colour, with the standard error of each pixel where the file has one.
 //! [`metrics::compare`] gives all numbers at once, [`heatmap`] shows where they come from. The pieces, [`flip`] and
-//! [`blocks`], can be used alone. Nothing here renders, and nothing knows how images were made.
+//! [`blocks`], can be used alone. Nothing of this renders, and nothing knows how images were made.
+//!
+//! A study does render: [`runner::run`] takes a scene through [`axes`] and [`effects`], measures each picture with a
+//! [`yardstick`] and fills an [`experiment::Study`].
 
+pub mod ablation;
+pub mod axes;
 pub mod blocks;
 pub mod chart;
+pub mod effects;
 pub mod experiment;
 pub mod fit;
 pub mod flip;
 pub mod heatmap;
 mod image;
+pub mod ladder;
 pub mod metrics;
 mod points;
 pub mod recommend;
+pub mod runner;
 #[cfg(test)]
 mod synthetic;
 pub mod table;
+pub mod uses;
 mod words;
+pub mod workshop;
+pub mod yardstick;
 
 pub use image::Image;
 pub use metrics::{CompareError, Metrics, Options, compare, compare_with};

@@ -37,19 +37,69 @@ pub fn points(study: &Study) -> Vec<Point> {
     groups.into_iter().map(point).collect()
 }
 
-/// Indices of the points that no other point beats in both seconds and error, by seconds. A point whose error is 0,
-/// that is, below what the reference can tell, takes no part.
+/// The points of one variant at one number of threads, by seconds; those with an error of 0, that is, below what the
+/// reference can tell, left out.
+fn runs(points: &[Point]) -> Vec<Vec<&Point>> {
+    let mut runs: BTreeMap<(usize, usize), Vec<&Point>> = BTreeMap::new();
+    for point in points.iter().filter(|p| p.error > 0.0) {
+        runs.entry((point.variant, point.threads)).or_default().push(point);
+    }
+    let mut runs: Vec<Vec<&Point>> = runs.into_values().collect();
+    runs.iter_mut()
+        .for_each(|run| run.sort_by(|a, b| a.seconds.total_cmp(&b.seconds)));
+    runs
+}
+
+/// The least error that a run reaches within so many seconds, with sample counts between those measured on the
+/// straight line between their logarithms; infinite before its first point.
+fn reached(run: &[&Point], seconds: f64) -> f64 {
+    let done = run.partition_point(|p| p.seconds <= seconds);
+    let least = run[..done].iter().map(|p| p.error).fold(f64::INFINITY, f64::min);
+    match (done.checked_sub(1).map(|i| run[i]), run.get(done)) {
+        (Some(before), Some(after)) => {
+            let share = (seconds / before.seconds).ln() / (after.seconds / before.seconds).ln();
+            least.min(before.error * (after.error / before.error).powf(share))
+        }
+        _ => least,
+    }
+}
+
+/// The least error that any variant reaches within so many seconds, as far as was measured: sample counts between two
+/// points of a variant lie on the straight line between their logarithms. Infinite before the first point.
+pub(crate) fn best_error(points: &[Point], seconds: f64) -> f64 {
+    let least = |least: f64, run: Vec<&Point>| least.min(reached(&run, seconds));
+    runs(points).into_iter().fold(f64::INFINITY, least)
+}
+
+/// Indices of the points on the Pareto front, by seconds: those that neither another point nor the line between two
+/// points of another variant beats in both seconds and error. A point whose error is 0, that is, below what the
+/// reference can tell, takes no part.
 pub fn pareto(points: &[Point]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..points.len()).filter(|&i| points[i].error > 0.0).collect();
-    let key = |i: usize| (points[i].seconds, points[i].error);
-    order.sort_by(|&a, &b| key(a).0.total_cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
-    let mut least = f64::INFINITY;
-    order.retain(|&i| {
-        let better = points[i].error < least;
-        least = least.min(points[i].error);
-        better
-    });
-    order
+    let runs = runs(points);
+    let beaten = |point: &Point| {
+        runs.iter().any(|run| {
+            let own = run
+                .iter()
+                .any(|p| p.variant == point.variant && p.threads == point.threads);
+            match (own, run.first()) {
+                (true, _) => run.iter().any(|p| {
+                    let [sooner, better] = [p.seconds < point.seconds, p.error < point.error];
+                    (sooner || better) && p.seconds <= point.seconds && p.error <= point.error
+                }),
+                // Of two that are equal in both, the first stays.
+                (false, Some(first)) => {
+                    let best = reached(run, point.seconds);
+                    best < point.error || best == point.error && first.variant < point.variant
+                }
+                (false, None) => false,
+            }
+        })
+    };
+    let mut front: Vec<usize> = (0..points.len())
+        .filter(|&i| points[i].error > 0.0 && !beaten(&points[i]))
+        .collect();
+    front.sort_by(|&a, &b| points[a].seconds.total_cmp(&points[b].seconds));
+    front
 }
 
 /// The middle value, the mean of the two middle ones for an even number; NaN for none.
@@ -155,6 +205,28 @@ mod tests {
         ];
         assert_eq!(pareto(&points), [3, 4]);
         assert!(pareto(&[]).is_empty());
+    }
+
+    /// From (1 s, 40 %) to (4 s, 20 %) the line passes (2 s, 28.3 %).
+    #[test]
+    fn a_line_between_two_points_beats_a_point_above_it() {
+        let at = |variant: usize, seconds: f64, error: f64| Point {
+            variant,
+            spp: 1,
+            threads: 1,
+            rows: 1,
+            seconds,
+            error,
+            spread: error..error,
+        };
+        let ladder = [at(0, 1.0, 0.4), at(0, 4.0, 0.2)];
+        let with = |error: f64| [ladder.to_vec(), vec![at(1, 2.0, error)]].concat();
+        assert_eq!(pareto(&with(0.29)), [0, 1]);
+        assert_eq!(pareto(&with(0.28)), [0, 2, 1]);
+        assert_eq!(pareto(&[ladder.to_vec(), vec![at(1, 4.0, 0.2)]].concat()), [0, 1]);
+        let best = [0.5, 1.0, 2.0, 100.0].map(|t| best_error(&ladder, t));
+        assert_eq!([best[0], best[1], best[3]], [f64::INFINITY, 0.4, 0.2]);
+        assert!((best[2] - 0.08f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]

@@ -199,7 +199,7 @@ fn finish(study: &Study, pick: &Pick) -> Recommendation {
     let [width, height] = study.size;
     let flags = study.variants.get(*variant).map_or("", |v| v.flags.trim());
     let mut command = format!("pts render {} -r {width}x{height}", shell_word(&study.scene));
-    if !flags.is_empty() {
+    for flags in [study.scene_flags.trim(), flags].into_iter().filter(|f| !f.is_empty()) {
         command += &format!(" {flags}");
     }
     let by_time = study.time_goal().filter(|_| study.error_goal().is_none());

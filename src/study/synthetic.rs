@@ -39,9 +39,10 @@ pub const BASE: Law = Law {
 pub const LADDER: [u32; 5] = [4, 16, 64, 256, 1024];
 
 /// Axis, name, kind, law.
-type Entry = (&'static str, &'static str, Kind, Law);
+pub type Entry = (&'static str, &'static str, Kind, Law);
 
-fn entry(axis: &'static str, name: &'static str, kind: Kind, noise: f64, bias: f64, cost: f64) -> Entry {
+/// With the base line's noise and seconds for a sample times the given factors.
+pub fn entry(axis: &'static str, name: &'static str, kind: Kind, noise: f64, bias: f64, cost: f64) -> Entry {
     let law = Law {
         c: BASE.c * noise,
         a: BASE.a,
@@ -117,6 +118,8 @@ pub fn with(entries: Vec<Entry>) -> Study {
         scene: "cornell.pts".to_owned(),
         size: [640, 480],
         command: "pts study cornell.pts --budget 10m --error 2%".to_owned(),
+
+        scene_flags: String::new(),
         version: "pts 0.1.0 (1a42351)".to_owned(),
         processor: "AMD EPYC 7763 64-Core Processor".to_owned(),
         threads: 8,

@@ -86,7 +86,8 @@ impl SamplingArgs {
     }
 }
 
-fn nets(text: &str) -> Result<u32, String> {
+/// A number of nets.
+pub(super) fn nets(text: &str) -> Result<u32, String> {
     match text {
         "1" => Ok(1),
         "4" => Ok(4),

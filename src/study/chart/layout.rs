@@ -6,7 +6,7 @@ use super::super::points::{pareto, points};
 use super::super::words::{duration, percent, significant};
 use super::font;
 use super::panel::{Chart, Panel, Role};
-use super::scale::Domain;
+use super::scale::{Domain, Measure, Scale};
 use super::shapes::{Anchor, Page, Room, Shape, Text};
 
 /// Width of the page. Printed 16 cm wide, a CSS pixel is 2/3 point.
@@ -16,18 +16,20 @@ pub const SIZE: f64 = 13.6;
 
 const TITLE_SIZE: f64 = 19.0;
 const EDGE: f64 = 14.0;
-/// Room left of a plot for its labels and the axis's name.
-const LEFT: f64 = 72.0;
 /// Room below a plot for its labels.
-const BELOW: f64 = 1.6 * SIZE;
+const BELOW: f64 = 1.75 * SIZE;
 const LINE: f64 = 1.35 * SIZE;
 /// Variants that share one panel, the base line not counted; more get a panel for each axis.
 const SHARED: usize = 5;
-/// Panels in a row.
+/// Panels in a row, at most.
 const COLUMNS: usize = 3;
 const COLUMN_GAP: f64 = 16.0;
 /// Heights of plots: the only one, the overview, one of an axis.
-const HEIGHTS: [f64; 3] = [400.0, 270.0, 132.0];
+const HEIGHTS: [f64; 3] = [400.0, 275.0, 112.0];
+/// What a plot of an axis is higher for each column that it need not leave to others.
+const ROOMY: f64 = 80.0;
+/// Space between the labels of an error axis.
+pub const TICK_GAP: f64 = 0.6 * SIZE;
 /// Farther than this from all that was measured, the goal is told in the caption instead of shown.
 const GOAL_REACH: f64 = 12.0;
 
@@ -49,6 +51,7 @@ pub fn page(study: &Study) -> Page {
     };
     let mut page = Sheet {
         y: EDGE,
+        left: label_room(chart.error),
         shapes: Vec::new(),
     };
     let title = format!("Error against time: {}", study.scene);
@@ -72,6 +75,16 @@ pub fn page(study: &Study) -> Page {
         description: description(&chart),
         shapes: page.shapes,
     }
+}
+
+/// Where plots begin: right of the axis's name and its widest label.
+fn label_room(domain: Domain) -> f64 {
+    let ticks = HEIGHTS.iter().flat_map(|height| {
+        let ends = [*height, 0.0];
+        Scale { domain, ends }.ticks(Measure::Share, SIZE, TICK_GAP, true)
+    });
+    let widest = ticks.map(|t| font::width(&t.label, SIZE, false)).fold(0.0, f64::max);
+    EDGE + 1.2 * SIZE + widest + 10.0
 }
 
 /// The values and the goal, unless it is far from all of them.
@@ -156,8 +169,10 @@ fn caption(chart: &Chart) -> Vec<String> {
         marks.push("Arrows at the lower edge: E too small for this reference to tell from 0.".to_owned());
     }
     match study.goal {
-        Goal::Error(e) if !chart.error.holds(e) => marks.push(format!("The goal of {} lies outside.", percent(e))),
-        Goal::Seconds(s) if !chart.seconds.holds(s) => {
+        Goal::Error(e) if e > 0.0 && !chart.error.holds(e) => {
+            marks.push(format!("The goal of {} lies outside.", percent(e)))
+        }
+        Goal::Seconds(s) if s > 0.0 && !chart.seconds.holds(s) => {
             marks.push(format!("The goal of {} lies outside.", duration(s)));
         }
         _ => {}
@@ -200,6 +215,8 @@ fn description(chart: &Chart) -> String {
 /// A page being filled from top to bottom.
 struct Sheet {
     y: f64,
+    /// Where plots begin.
+    left: f64,
     shapes: Vec<Shape>,
 }
 
@@ -208,7 +225,9 @@ impl Sheet {
     fn words(&mut self, words: &str, size: f64, bold: bool) {
         // Readers without the typeface may set words a little wider.
         let limit = 0.94 * (WIDTH - 2.0 * EDGE);
-        for line in font::wrap(words, size, bold, limit) {
+        // A number and its unit stay on one line.
+        let words = words.replace(" %", "\u{a0}%");
+        for line in font::wrap(&words, size, bold, limit) {
             self.y += 1.35 * size;
             let line = font::cut(&line, size, bold, WIDTH - 2.0 * EDGE);
             let text = Text::new(line, [EDGE, self.y - 0.3 * size], size);
@@ -222,7 +241,7 @@ impl Sheet {
             role,
             title: String::new(),
             variants,
-            room: Room::new([LEFT, self.y], [WIDTH - EDGE, self.y + height]),
+            room: Room::new([self.left, self.y], [WIDTH - EDGE, self.y + height]),
             legend: 0.0,
             labelled: [true; 2],
         };
@@ -233,7 +252,7 @@ impl Sheet {
     }
 
     fn name_axes(&mut self, top: f64, bottom: f64) {
-        let middle = 0.5 * (LEFT + WIDTH - EDGE);
+        let middle = 0.5 * (self.left + WIDTH - EDGE);
         let y = bottom + BELOW + 0.85 * SIZE;
         let across = Text::new("wall-clock time of one run", [middle, y], SIZE);
         let up = Text::new("error E", [EDGE + 0.8 * SIZE, 0.5 * (top + bottom)], SIZE);
@@ -247,14 +266,16 @@ impl Sheet {
 
     /// A panel for each axis, in rows.
     fn axes(&mut self, chart: &Chart, axes: &[(String, Vec<usize>)]) {
-        let width = (WIDTH - EDGE - LEFT - COLUMN_GAP * (COLUMNS - 1) as f64) / COLUMNS as f64;
+        let columns = axes.len().clamp(1, COLUMNS);
+        let width = (WIDTH - EDGE - self.left - COLUMN_GAP * (columns - 1) as f64) / columns as f64;
+        let height = HEIGHTS[2] + ROOMY * (COLUMNS - columns) as f64;
         let mut top = self.y + 0.6 * SIZE;
-        for (row, group) in axes.chunks(COLUMNS).enumerate() {
+        for (row, group) in axes.chunks(columns).enumerate() {
             let mut panels: Vec<Panel> = group
                 .iter()
                 .enumerate()
                 .map(|(column, (axis, variants))| {
-                    let left = LEFT + column as f64 * (width + COLUMN_GAP);
+                    let left = self.left + column as f64 * (width + COLUMN_GAP);
                     Panel {
                         role: Role::Axis,
                         title: axis.clone(),
@@ -262,26 +283,26 @@ impl Sheet {
                         room: Room::new([left, top], [left + width, top]),
                         legend: 0.0,
                         // Below the last panel of each column.
-                        labelled: [column == 0, (row + 1) * COLUMNS + column >= axes.len()],
+                        labelled: [column == 0, (row + 1) * columns + column >= axes.len()],
                     }
                 })
                 .collect();
             let legend = panels.iter().map(|p| p.legend_height(chart)).fold(0.0, f64::max);
-            let bottom = top + legend + 1.65 * SIZE + HEIGHTS[2];
+            let bottom = top + legend + 0.3 * SIZE + height;
             let below = panels.iter().any(|panel| panel.labelled[1]);
             for panel in &mut panels {
                 panel.legend = legend;
                 panel.room.max[1] = bottom;
                 self.shapes.extend(panel.draw(chart));
             }
-            self.name_rows(bottom);
+            self.name_row(bottom - 0.5 * height);
             top = bottom + if below { BELOW } else { 0.0 } + 0.5 * SIZE;
         }
         self.y = top;
     }
 
-    fn name_rows(&mut self, bottom: f64) {
-        let at = [EDGE + 0.8 * SIZE, bottom - 0.5 * HEIGHTS[2]];
+    fn name_row(&mut self, middle: f64) {
+        let at = [EDGE + 0.8 * SIZE, middle];
         self.shapes.push(Shape::Words(Text {
             upward: true,
             ..Text::new("error E", at, SIZE).anchored(Anchor::Middle)

@@ -7,6 +7,7 @@
 mod font;
 mod labels;
 mod layout;
+mod marks;
 mod panel;
 mod raster;
 mod scale;

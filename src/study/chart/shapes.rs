@@ -120,10 +120,6 @@ impl Room {
         self.max[0] - self.min[0]
     }
 
-    pub fn height(&self) -> f64 {
-        self.max[1] - self.min[1]
-    }
-
     pub fn meets(&self, other: &Self) -> bool {
         (0..2).all(|k| self.min[k] < other.max[k] && other.min[k] < self.max[k])
     }
