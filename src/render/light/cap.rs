@@ -1,7 +1,7 @@
 //! The emitting sphere of which only a cap matters, such as a lamp that looks through a ceiling.
 
 use super::flat::FlatTarget;
-use super::{Aim, HitOnLight, Receiver, SphereLight, shadow_end_aslant};
+use super::{Aim, HitOnLight, Receiver, SphereLight, shadow_end};
 use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
 use glam::{DVec3, Vec2};
@@ -46,7 +46,7 @@ impl SphereCapLight {
             wi,
             radiance: self.sphere.radiance,
             pdf,
-            t_max: shadow_end_aslant(t as f32, at.p, self.target(normal).cos(wi)),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.sphere.prim,
             b: Vec2::ZERO,

@@ -1,7 +1,7 @@
 //! The emitting disc, ellipse or ring.
 
 use super::flat::FlatTarget;
-use super::{Aim, HitOnLight, Receiver, shadow_end_aslant};
+use super::{Aim, HitOnLight, Receiver, shadow_end};
 use crate::math::warp::disc_concentric;
 use crate::render::ray::PrimRef;
 use glam::{DVec3, Vec2, Vec3};
@@ -51,7 +51,7 @@ impl DiscLight {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end_aslant(t as f32, at.p, self.target().cos(wi)),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.prim,
             b: Vec2::ZERO,

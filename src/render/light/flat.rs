@@ -26,11 +26,6 @@ impl FlatTarget {
         Some((wi, pdf, t))
     }
 
-    /// Cosine, without its sign, of the angle between a unit direction and the normal.
-    pub fn cos(&self, wi: Vec3) -> f32 {
-        (wi.as_dvec3().dot(self.normal).abs() / self.normal.length()).min(1.0) as f32
-    }
-
     pub fn pdf(&self, wi: Vec3, distance: f32) -> f32 {
         let t = f64::from(distance);
         self.density(wi.as_dvec3(), t * t).unwrap_or(0.0)

@@ -174,14 +174,6 @@ pub(crate) fn shadow_end(t: f32, p: Vec3) -> f32 {
     t * (1.0 - gamma(12)) - gamma(4) * p.abs().max_element()
 }
 
-/// As [`shadow_end`], to a surface that the ray meets at an angle with this cosine, in [0, 1]: what rounding moves
-/// across the ray moves the hit along it by up to 1/cos as much. Without this a copy of the light in the same place would
-/// block light that leaves it aslant. At cos → 0 nothing blocks, nor is there light.
-pub(crate) fn shadow_end_aslant(t: f32, p: Vec3, cos: f32) -> f32 {
-    let end = shadow_end(t, p);
-    end - (t - end) * (1.0 / cos - 1.0)
-}
-
 /// Converts a density in f64 to f32: `None` unless it is positive and finite there.
 pub(crate) fn usable_pdf(pdf: f64) -> Option<f32> {
     let pdf = pdf as f32;

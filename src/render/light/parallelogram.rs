@@ -3,7 +3,7 @@
 use super::choice::remap;
 use super::flat::FlatTarget;
 use super::solid_angle::SphericalTriangle;
-use super::{Aim, HitOnLight, Receiver, shadow_end_aslant};
+use super::{Aim, HitOnLight, Receiver, shadow_end};
 use crate::render::ray::PrimRef;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -78,7 +78,7 @@ impl ParallelogramLight {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end_aslant(t as f32, at.p, self.target().cos(wi)),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.prim,
             b,

@@ -1,6 +1,6 @@
 //! The emitting sphere, sampled by the cone in which it is seen.
 
-use super::{Aim, Receiver, shadow_end, shadow_end_aslant, usable_pdf};
+use super::{Aim, Receiver, shadow_end, usable_pdf};
 use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
 use crate::math::warp::{INV_PI, cosine_hemisphere, uniform_sphere};
@@ -64,12 +64,7 @@ impl SphereLight {
         // without cancellation.
         let half_chord = (x * (1.0 - u.x) * (2.0 - x * (1.0 + u.x))).sqrt();
         let t = (power / d) as f32 / (cos + half_chord);
-        let mut aim = self.aim(at, wi, pdf, t);
-        // Nothing of the sphere is nearer than d − R, however flat the ray meets its rim.
-        let cos_light = ((d / self.radius) as f32 * half_chord).min(1.0);
-        let nearest = shadow_end((power / (d + self.radius)) as f32, at.p);
-        aim.t_max = shadow_end_aslant(t, at.p, cos_light).max(nearest);
-        Some(aim)
+        Some(self.aim(at, wi, pdf, t))
     }
 
     fn sample_from_inside(&self, at: &Receiver, u: Vec2) -> Option<Aim> {

@@ -2,7 +2,7 @@
 
 use super::flat::FlatTarget;
 use super::solid_angle::SphericalTriangle;
-use super::{Aim, HitOnLight, Receiver, shadow_end_aslant};
+use super::{Aim, HitOnLight, Receiver, shadow_end};
 use crate::math::warp;
 use crate::render::ray::PrimRef;
 use glam::{DVec3, Vec2, Vec3};
@@ -70,7 +70,7 @@ impl TriangleLight {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end_aslant(t as f32, at.p, target.cos(wi)),
+            t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
             to: self.prim,
             b: if b.x + b.y > 1.0 { b / (b.x + b.y) } else { b },
