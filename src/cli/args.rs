@@ -1,17 +1,16 @@
 //! The command line as data. Every flag is declared and explained here, once; the commands only read the result.
 
 use super::camera::CameraChoice;
-use super::choices::{
-    Aov, ColorKind, DirectKind, FilterKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind,
-    ViewName,
-};
+use super::choices::{Aov, ColorKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind, ViewName};
 use super::values::{self, Resolution};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
 mod parts;
+mod sampling;
 
 pub use parts::{MergeArgs, PartArgs};
+pub use sampling::SamplingArgs;
 
 /// A path tracer for scenes written as text (POV-Ray's language, grown), glTF and OBJ, with honest error figures.
 ///
@@ -112,7 +111,6 @@ impl RenderArgs {
 const OUTPUT: &str = "Output";
 const PICTURE: &str = "Picture and stop rules (the first rule reached wins)";
 const VIEW: &str = "Camera and light";
-const SAMPLING: &str = "Sampling";
 const SCENE: &str = "Scene";
 const TERMINAL: &str = "Terminal";
 
@@ -187,30 +185,6 @@ pub struct ViewArgs {
     /// Multiply the light of all lamps and emitting surfaces (not of the environment) by this.
     #[arg(long, value_name = "FACTOR", value_parser = values::factor, help_heading = VIEW)]
     pub light_scale: Option<f64>,
-}
-
-/// How light is sampled.
-#[derive(Args, Clone, Debug)]
-pub struct SamplingArgs {
-    /// Seed of all random choices: the same seed gives the same picture, bit by bit [default: the scene's, else 0].
-    #[arg(long, value_name = "N", help_heading = SAMPLING)]
-    pub seed: Option<u64>,
-    /// Most bounces of a path; 0 shows only direct light and what shines itself [default: the scene's, else unlimited].
-    #[arg(long, value_name = "N", help_heading = SAMPLING)]
-    pub max_depth: Option<u32>,
-    /// Pixel filter [default: the scene's, else blackman-harris].
-    #[arg(long, value_name = "FILTER", help_heading = SAMPLING)]
-    pub filter: Option<FilterKind>,
-    /// How direct light is found: by light sampling and by hits (mis, the default), or by one of them alone.
-    #[arg(long, value_name = "HOW", help_heading = SAMPLING)]
-    pub direct: Option<DirectKind>,
-    /// Independently scrambled sample nets; the error is estimated from their spread, so that 1 knows none [default: 4].
-    #[arg(long, value_name = "N", value_parser = nets, help_heading = SAMPLING)]
-    pub nets: Option<u32>,
-    /// Threads [default: one for each core].
-    #[arg(short = 'j', long, value_name = "N",
-          value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = SAMPLING)]
-    pub threads: Option<u32>,
 }
 
 /// How scenes are read, for all commands that read one.
@@ -316,16 +290,6 @@ fn block_side(text: &str) -> Result<u32, String> {
         "4" => Ok(4),
         "8" => Ok(8),
         _ => Err("expected 4 or 8".to_owned()),
-    }
-}
-
-fn nets(text: &str) -> Result<u32, String> {
-    match text {
-        "1" => Ok(1),
-        "4" => Ok(4),
-        "8" => Ok(8),
-        "16" => Ok(16),
-        _ => Err("expected 1, 4, 8 or 16".to_owned()),
     }
 }
 

@@ -120,17 +120,6 @@ pub enum FilterKind {
     BlackmanHarris,
 }
 
-/// How direct light is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DirectKind {
-    /// Light sampling and hits, weighted against each other.
-    Mis,
-    /// Light sampling alone.
-    Light,
-    /// Hits alone.
-    Bsdf,
-}
-
 /// When colours are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ColorKind {

@@ -31,6 +31,19 @@ pub fn count(n: f64) -> String {
     }
 }
 
+/// `1 234 567`: all digits, in groups of three.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::with_capacity(digits.len() * 2);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// `312 ns`, `4.56 µs`, `7.89 ms`, `1.23 s`: three digits of a time in nanoseconds.
 pub fn nanoseconds(ns: f64) -> String {
     let (scaled, unit) = [(1e9, "s"), (1e6, "ms"), (1e3, "µs")]

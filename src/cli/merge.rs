@@ -5,7 +5,7 @@ use super::choices::Aov;
 use super::console::Console;
 use super::outputs::{self, Finished, Refusal, Targets};
 use super::progress::error_to_json;
-use super::{Exit, format, parts, plan, replay, signals};
+use super::{Exit, format, metadata, parts, plan, replay, signals};
 use crate::output::part::{Part, read_part};
 use crate::render::kernel::PathStats;
 use crate::render::picture::{Channels, NetSums, estimate};
@@ -167,11 +167,12 @@ fn add(whole: &mut Whole, part: Part, path: &Path, seen: &[Seen]) -> Result<(), 
     };
     let stats = PathStats {
         rays: parts::rays(&part.header),
+        clamped: parts::clamped(&part.header),
         anomalies: parts::anomalies(&part.header),
     };
     // One of two commands that differ in what does not matter: the choice must not depend on the order.
     if part.header["command"].as_str() < whole.header["command"].as_str() {
-        for key in ["command", "scene"] {
+        for key in ["command", "scene", "biased"] {
             whole.header[key] = part.header[key].clone();
         }
     }
@@ -320,7 +321,7 @@ impl Whole {
         if *frame != Region::whole(shape.width, shape.height) {
             command += &format!(" --region {}", replay::region_word(frame));
         }
-        json!({
+        let mut value = json!({
             "version": header["version"],
             "scene": header["scene"],
             "scene_hash": header["scene_hash"],
@@ -335,6 +336,13 @@ impl Whole {
             "error_goal": null,
             "confidence": CONFIDENCE,
             "error": error_to_json(error.as_ref()),
-        })
+        });
+        let words = |list: &Value| -> Vec<String> {
+            let words = list.as_array().into_iter().flatten().filter_map(Value::as_str);
+            words.map(str::to_owned).collect()
+        };
+        let (technique, biased) = (words(&settings["technique"]), words(&header["biased"]));
+        metadata::stamp(&mut value, &technique, &biased, parts::clamped(header));
+        value
     }
 }

@@ -1,6 +1,7 @@
 //! What a picture says about how it was made, and the fingerprint of the scene it shows.
 
 use super::args::RenderArgs;
+use super::format::grouped;
 use super::plan::Goal;
 use super::progress::error_to_json;
 use super::replay;
@@ -8,7 +9,7 @@ use crate::files::Files;
 use crate::math::fnv::Fnv;
 use crate::render::report::{Report, StopReason};
 use crate::render::settings::{Filter, Settings};
-use crate::render::technique::Direct;
+use crate::render::technique::Choice;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io;
@@ -108,12 +109,14 @@ pub fn describe(
         "nets": settings.nets,
         "max_depth": (settings.technique.max_depth != u32::MAX).then_some(settings.technique.max_depth),
         "filter": filter_word(settings.filter),
-        "direct": direct_word(settings.technique.direct),
+        "direct": settings.technique.direct.word(),
         "stop": stop_word(report.stop),
         "error_goal": goal.rules.error,
         "confidence": goal.rules.confidence,
         "error": error_to_json(report.error.as_ref()),
     });
+    let (technique, biased) = (settings.technique.flags(), args.sampling.technique().biased());
+    stamp(&mut value, &technique, &biased, report.clamped);
     if with_seconds {
         value["seconds"] = json!((report.seconds * 1e3).round() / 1e3);
     }
@@ -129,13 +132,26 @@ pub fn filter_word(filter: Filter) -> &'static str {
     }
 }
 
-/// The word of a direct-light strategy on the command line.
-pub fn direct_word(direct: Direct) -> &'static str {
-    match direct {
-        Direct::Mis => "mis",
-        Direct::Light => "light",
-        Direct::Bsdf => "bsdf",
+/// Writes down by which technique a picture was made, and what biases it; nothing of the usual one.
+pub fn stamp(value: &mut Value, technique: &[String], biased: &[String], clamped: u64) {
+    if !technique.is_empty() {
+        value["technique"] = json!(technique.join(" "));
     }
+    if !biased.is_empty() {
+        value["biased"] = json!(bias_words(biased, clamped));
+    }
+}
+
+/// The flags that bias a picture, in one line: `--clamp 10 (12 345 samples clamped), --no-caustics`.
+pub fn bias_words(biased: &[String], clamped: u64) -> String {
+    let told = biased.iter().map(|flag| {
+        if flag.starts_with("--clamp ") {
+            format!("{flag} ({} samples clamped)", grouped(clamped))
+        } else {
+            flag.clone()
+        }
+    });
+    told.collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

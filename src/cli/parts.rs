@@ -2,12 +2,13 @@
 
 use super::args::RenderArgs;
 use super::choices::ToneMapKind;
-use super::metadata::{direct_word, filter_word};
+use super::metadata::filter_word;
 use super::replay;
 use crate::math::fnv::Fnv;
 use crate::render::kernel::PathStats;
 use crate::render::report::Anomalies;
 use crate::render::settings::{Region, Settings};
+use crate::render::technique::Choice;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
@@ -30,7 +31,8 @@ pub fn header(args: &RenderArgs, scene_hash: &str, settings: &Settings, display:
         "nets": settings.nets,
         "max_depth": (settings.technique.max_depth != u32::MAX).then_some(settings.technique.max_depth),
         "filter": filter_word(settings.filter),
-        "direct": direct_word(settings.technique.direct),
+        "direct": settings.technique.direct.word(),
+        "technique": settings.technique.flags(),
         "layers": layer_words(settings),
         "camera": view.camera.as_ref().map(|c| c.to_string()),
         "env_color": view.env_color,
@@ -52,6 +54,8 @@ pub fn header(args: &RenderArgs, scene_hash: &str, settings: &Settings, display:
         "display": {"tonemap": word(display.tonemap), "linear": display.linear},
         "frame": [frame.x0, frame.y0, frame.x1, frame.y1],
         "command": replay::picture_command(args, settings),
+        "biased": args.sampling.technique().biased(),
+        "clamped": 0,
         "rays": 0,
         "anomalies": anomalies_to_json(&Anomalies::default()),
     })
@@ -124,6 +128,12 @@ pub fn add_stats(header: &mut Value, stats: &PathStats) {
     before.add(&stats.anomalies);
     header["anomalies"] = anomalies_to_json(&before);
     header["rays"] = json!(rays(header) + stats.rays);
+    header["clamped"] = json!(clamped(header) + stats.clamped);
+}
+
+/// Samples of a part that were scaled down.
+pub fn clamped(header: &Value) -> u64 {
+    header["clamped"].as_u64().unwrap_or(0)
 }
 
 /// Rays traced for a part.

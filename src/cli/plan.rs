@@ -1,10 +1,10 @@
 //! Decides what is rendered: the command line over the scene over the built-in defaults.
 
 use super::args::{OutputArgs, PartArgs, QualityArgs, RenderArgs};
-use super::choices::{DirectKind, FilterKind, ToneMapKind};
+use super::choices::{FilterKind, ToneMapKind};
 use super::values::MAX_SPP;
 use crate::render::settings::{Aovs, Filter, Region, Settings, StopRules};
-use crate::render::technique::{Direct, Technique};
+use crate::render::technique::Technique;
 use crate::scene::{self, Aspect, Handedness, RenderDefaults, Scene};
 use std::time::Instant;
 
@@ -134,16 +134,14 @@ pub fn settings(args: &RenderArgs, scene: &Scene, size: [u32; 2], goal: &Goal, s
 
 /// What trades accuracy for time.
 fn technique(args: &RenderArgs, defaults: &RenderDefaults) -> Technique {
-    let (sampling, base) = (&args.sampling, Technique::default());
+    let given = args.sampling.technique();
     Technique {
-        max_depth: sampling.max_depth.or(defaults.max_depth).unwrap_or(base.max_depth),
-        direct: match sampling.direct {
-            Some(DirectKind::Mis) => Direct::Mis,
-            Some(DirectKind::Light) => Direct::Light,
-            Some(DirectKind::Bsdf) => Direct::Bsdf,
-            None => base.direct,
-        },
-        ..base
+        max_depth: args
+            .sampling
+            .max_depth
+            .or(defaults.max_depth)
+            .unwrap_or(given.max_depth),
+        ..given
     }
 }
 
@@ -199,6 +197,7 @@ pub fn scene_tone_map(scene: &Scene) -> ToneMapKind {
 mod tests {
     use super::*;
     use crate::cli::args::{Cli, Command};
+    use crate::render::technique::Direct;
     use crate::scene::Camera;
     use clap::Parser;
     use glam::DVec3;

@@ -8,7 +8,7 @@ use super::plan::{self, Goal};
 use super::progress::Meter;
 use super::summary::{Summary, is_goal_missed};
 use super::{Exit, checkpoint, format, metadata, replay, scene, signals};
-use crate::compile::compile;
+use crate::compile::compile_with;
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
 use crate::output::part::Part;
@@ -208,7 +208,7 @@ fn build<F: Files>(
         return Ok(None);
     }
     let compiling = Instant::now();
-    let Some(compiled) = compile(&scene, files, size[0], size[1], diags) else {
+    let Some(compiled) = compile_with(&scene, files, size[0], size[1], &settings.technique, diags) else {
         return Ok(None);
     };
     console.detail(&format!(
@@ -269,6 +269,7 @@ fn conclude(
 ) -> Exit {
     let (picture, mut report, tiles) = (rendered.picture, rendered.report, rendered.tiles);
     report.anomalies = parts::anomalies(&header); // of all samples, also of those before a checkpoint
+    report.clamped = parts::clamped(&header);
     let report = &report;
     let interrupted = report.stop == StopReason::Interrupted;
     let (written, all_written, view) = if interrupted && tiles.samples().1 == 0 {
@@ -302,6 +303,7 @@ fn conclude(
         settings: &job.settings,
         goal: &job.goal,
         report,
+        biased: &args.sampling.technique().biased(),
         view: view.as_deref(),
         replay: &replay,
     };

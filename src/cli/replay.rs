@@ -4,6 +4,7 @@ use super::args::RenderArgs;
 use super::format::shell_word;
 use super::metadata::filter_word;
 use crate::render::settings::{Region, Settings};
+use crate::render::technique::Technique;
 use clap::ValueEnum;
 
 /// The words after `pts render`: what was given and what was decided, with the samples that were taken instead
@@ -38,12 +39,10 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     let names_seed = args.sampling.seed.is_some() || settings.seed != 0;
     flag("--seed", names_seed.then(|| settings.seed.to_string()));
     flag("--nets", args.sampling.nets.map(|n| n.to_string()));
-    flag("--max-depth", args.sampling.max_depth.map(|n| n.to_string()));
     flag(
         "--filter",
         args.sampling.filter.map(|_| filter_word(settings.filter).to_owned()),
     );
-    flag("--direct", args.sampling.direct.and_then(value_name));
     flag("--camera", args.view.camera.as_ref().map(|c| c.to_string()));
     flag(
         "--env-color",
@@ -67,6 +66,15 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     flag("--exposure", args.output.exposure.map(|e| e.to_string()));
     if args.output.no_dither {
         words.push("--no-dither".to_owned());
+    }
+    // What stands on the command line; a limit of bounces in the scene speaks for itself.
+    let technique = Technique {
+        max_depth: u32::MAX,
+        ..args.sampling.technique()
+    };
+    words.extend(technique.flags());
+    if let Some(depth) = args.sampling.max_depth {
+        words.extend(["--max-depth".to_owned(), depth.to_string()]);
     }
     if let Some(spp) = spp {
         words.extend(part_words(args, settings, spp.max(1)));
@@ -130,6 +138,13 @@ mod tests {
             "1,0.5,0",
             "--direct",
             "light",
+            "--sampler",
+            "independent",
+            "--clamp",
+            "0.1",
+            "--no-caustics",
+            "--max-depth",
+            "7",
             "--nets",
             "8",
             "--filter",
@@ -152,6 +167,8 @@ mod tests {
         settings.seed = 7;
         settings.filter = crate::render::settings::Filter::Box;
         let text = command(&first, &settings, 4, true);
+        let technique = "--sampler independent --direct light --clamp 0.1 --no-caustics --max-depth 7";
+        assert!(text.contains(technique), "{text}");
         // No word of this command holds a blank but the camera's.
         let camera = "'location=1,2,3 angle=40'";
         let shielded = text.replace(camera, "CAMERA");

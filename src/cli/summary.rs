@@ -1,7 +1,7 @@
 //! What is told after a render: what was written, how good it is, why it ended, how to make it again.
 
 use super::format::{count, duration, percent};
-use super::metadata::stop_word;
+use super::metadata::{bias_words, stop_word};
 use super::plan::Goal;
 use super::progress::error_to_json;
 use crate::render::report::{Anomalies, Report, StopReason};
@@ -21,6 +21,8 @@ pub struct Summary<'a> {
     pub goal: &'a Goal,
     /// What came out.
     pub report: &'a Report,
+    /// The flags that bias the picture.
+    pub biased: &'a [String],
     /// What 8-bit images show instead of the picture.
     pub view: Option<&'a str>,
     /// The command that makes it again.
@@ -50,6 +52,9 @@ impl Summary<'_> {
         lines.extend(self.view.map(|view| format!("  view: {view}")));
         lines.push(format!("  {}", self.error()));
         lines.push(format!("  {}", self.stop()));
+        if !self.biased.is_empty() {
+            lines.push(format!("  biased: {}", bias_words(self.biased, report.clamped)));
+        }
         lines.extend(anomalies(&report.anomalies));
         if report.stop != StopReason::Interrupted {
             lines.push(format!("  again: {}", self.replay)); // an interrupted picture cannot be made again
@@ -112,6 +117,8 @@ impl Summary<'_> {
                 "shading_rejected": anomalies.shading_rejected,
                 "stack_overflow": anomalies.stack_overflow,
             },
+            "biased": self.biased,
+            "clamped": report.clamped,
             "view": self.view,
             "replay": self.replay,
         })
@@ -164,6 +171,7 @@ mod tests {
                 bound,
             }),
             anomalies: Anomalies::default(),
+            clamped: 12_345,
         }
     }
 
@@ -207,6 +215,7 @@ mod tests {
             settings: &settings,
             goal: &goal,
             report: &report,
+            biased: &["--clamp 10".to_owned(), "--no-caustics".to_owned()],
             view: Some("albedo"),
             replay: "pts render a.pts",
         };
@@ -218,6 +227,7 @@ mod tests {
             "the error goal of 3.0 % is not reached",
             "\n  view: albedo\n",
             "12 samples were not finite",
+            "biased: --clamp 10 (12 345 samples clamped), --no-caustics",
             "again: pts render a.pts",
         ] {
             assert!(text.contains(part), "`{part}` is not in\n{text}");

@@ -1,5 +1,7 @@
 //! The values of flags: each parser turns one word of the command line into a checked number or says what it expected.
 
+use crate::render::technique::Choice;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::str::FromStr;
 
 /// Most samples per pixel that can be asked for.
@@ -131,6 +133,20 @@ pub fn color(text: &str) -> Result<[f64; 3], String> {
 pub fn factor(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().filter(|f| f.is_finite() && *f >= 0.0);
     value.ok_or_else(|| format!("`{text}` is not a finite number of at least 0"))
+}
+
+/// A limit, finite and > 0.
+pub fn limit(text: &str) -> Result<f32, String> {
+    let value = text.trim().parse::<f32>().ok().filter(|f| f.is_finite() && *f > 0.0);
+    value.ok_or_else(|| format!("`{text}` is not a finite number above 0"))
+}
+
+/// One of the words of a technique.
+pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let words = T::ALL
+        .iter()
+        .map(|(_, word, about)| PossibleValue::new(*word).help(*about));
+    PossibleValuesParser::new(words).try_map(|word| T::from_word(&word).ok_or("unknown word"))
 }
 
 /// A finite number.

@@ -3,6 +3,7 @@
 use super::images::Images;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::render::material as engine;
+use crate::render::technique::{Technique, TextureFilter};
 use crate::render::texture as tex;
 use crate::scene::{
     Channel, ColorInput, EmissionSides, Encoding, Finish, ImageId, Material, MaterialId, NormalMap, OpacityMode,
@@ -18,6 +19,8 @@ pub struct Materials<'a, 'i> {
     /// Compiled ones by material and whether the shape is open (emission may differ).
     known: BTreeMap<(Option<MaterialId>, bool), u32>,
     textures: BTreeMap<TextureId, Option<u32>>,
+    scattering: engine::Scattering,
+    filter: TextureFilter,
     /// The engine's materials.
     pub materials: Vec<engine::Material>,
     /// The engine's textures.
@@ -29,12 +32,14 @@ const DEEPEST_MIX: usize = 64;
 
 impl<'a, 'i> Materials<'a, 'i> {
     /// Nothing compiled yet.
-    pub fn new(scene: &'a Scene, images: &'i mut Images<'a>) -> Materials<'a, 'i> {
+    pub fn new(scene: &'a Scene, images: &'i mut Images<'a>, technique: &Technique) -> Materials<'a, 'i> {
         Materials {
             scene,
             images,
             known: BTreeMap::new(),
             textures: BTreeMap::new(),
+            scattering: engine::Scattering::from(technique),
+            filter: technique.textures,
             materials: Vec::new(),
             nodes: Vec::new(),
         }
@@ -64,6 +69,7 @@ impl<'a, 'i> Materials<'a, 'i> {
         }
         let surface = self.surface(&material, open, depth, diags);
         let mut out = engine::Material::new(surface);
+        out.scattering = self.scattering;
         out.emission = self.color(&material.emission, diags);
         let emits = !out.emission.is_black();
         (out.emits_front, out.emits_back) = match material.emission_sides {
@@ -243,7 +249,7 @@ impl<'a, 'i> Materials<'a, 'i> {
                         uv_transform: Affine2::from_cols(v(m.matrix2.x_axis), v(m.matrix2.y_axis), v(m.translation)),
                         wrap_u: wrap(t.wrap_u),
                         wrap_v: wrap(t.wrap_v),
-                        bilinear: t.filter == TexelFilter::Bilinear,
+                        bilinear: t.filter == TexelFilter::Bilinear && self.filter == TextureFilter::AsWritten,
                         srgb: t.encoding == Encoding::Srgb,
                     })
                 })

@@ -17,16 +17,30 @@ use crate::render::geometry::Geometry;
 use crate::render::light::LightSet;
 use crate::render::material::{Alpha, Material, SurfaceModel};
 use crate::render::scene::{CompiledScene, SceneTraits};
+use crate::render::technique::Technique;
 use crate::render::texture::Textures;
 use crate::scene::{Place, Scene, Shape};
 
-/// Makes a scene ready to render at this size. `None` if there are errors. Images are read through `files`,
-/// only those that something visible uses.
+/// Makes a scene ready to render at this size by the default technique. `None` if there are errors. Images are read
+/// through `files`, only those that something visible uses.
 pub fn compile(
     scene: &Scene,
     files: &dyn Files,
     width: u32,
     height: u32,
+    diags: &mut Diagnostics,
+) -> Option<CompiledScene> {
+    compile_with(scene, files, width, height, &Technique::default(), diags)
+}
+
+/// As [`compile`], for a technique: how lights are chosen, how the tree is built, what approximations materials use and
+/// how images are looked up is decided here. Render with the same technique, which decides the rest.
+pub fn compile_with(
+    scene: &Scene,
+    files: &dyn Files,
+    width: u32,
+    height: u32,
+    technique: &Technique,
     diags: &mut Diagnostics,
 ) -> Option<CompiledScene> {
     let errors = |d: &Diagnostics| d.count(crate::diag::Severity::Error);
@@ -63,7 +77,7 @@ pub fn compile(
 
     let mut lamps = lights::lamps(scene, origin);
     lamps.extend(environment);
-    let mut materials = materials::Materials::new(scene, &mut images);
+    let mut materials = materials::Materials::new(scene, &mut images, technique);
     let mut objects = objects::Objects::new(scene, origin, &mut materials, lamps);
     for leaf in &leaves {
         objects.add(leaf, diags);
@@ -75,7 +89,8 @@ pub fn compile(
         return None;
     }
     caps::cut_by_walls(&mut lights, objects.iter().map(|o| &o.shape), glam::DVec3::ZERO);
-    let lights = LightSet::new(lights);
+    let geometry = Geometry::build_as(technique.build, objects, meshes);
+    let lights = LightSet::with_pick(lights, technique.lights, geometry.bounds());
     let traits = SceneTraits {
         see_through: materials.iter().any(is_see_through),
         lamp_through_glass: lights.has_delta() && materials.iter().any(|m| m.interior),
@@ -84,7 +99,7 @@ pub fn compile(
     Some(CompiledScene {
         origin,
         camera: engine_camera?,
-        geometry: Geometry::build(objects, meshes),
+        geometry,
         materials,
         textures: Textures {
             nodes,

@@ -128,6 +128,7 @@ fn render_tiles(
         seconds: begun.elapsed().as_secs_f64(),
         error: run.look(&tiles, spp),
         anomalies: stats.anomalies,
+        clamped: stats.clamped,
     };
     Rendered {
         picture: tiles.picture(),
@@ -338,6 +339,7 @@ impl PathStats {
     /// Adds another tile's counts.
     pub fn add(&mut self, other: &PathStats) {
         self.rays += other.rays;
+        self.clamped += other.clamped;
         let mut all: Anomalies = self.anomalies;
         all.add(&other.anomalies);
         self.anomalies = all;

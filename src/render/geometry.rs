@@ -13,6 +13,7 @@ use super::accel::scene::{Instructions, SceneTree};
 use super::ray::{Hit, PrimRef, Ray};
 use super::shape::Shape;
 use super::surface::Surface;
+use super::technique::BuildPreset;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// Which primitives of an object are lights.
@@ -101,13 +102,18 @@ pub struct Geometry {
 impl Geometry {
     /// Builds all trees. Meshes are built side by side; an object whose mesh does not exist is never hit.
     pub fn build(objects: Vec<GeomObject>, meshes: Vec<MeshData>) -> Geometry {
+        Geometry::build_as(BuildPreset::default(), objects, meshes)
+    }
+
+    /// As [`Geometry::build`], quickly or thoroughly: what rays hit does not depend on it.
+    pub fn build_as(preset: BuildPreset, objects: Vec<GeomObject>, meshes: Vec<MeshData>) -> Geometry {
         use rayon::prelude::*;
         let trees: Vec<MeshTree> = meshes
             .par_iter()
-            .map(|m| MeshTree::build(&m.positions, &m.triangles))
+            .map(|m| MeshTree::build(&m.positions, &m.triangles, preset))
             .collect();
         let shapes: Vec<_> = objects.iter().map(|o| (&o.shape, o.visibility)).collect();
-        let tree = SceneTree::build(&shapes, trees);
+        let tree = SceneTree::build(&shapes, trees, preset);
         Geometry { objects, meshes, tree }
     }
 

@@ -17,7 +17,7 @@ use super::sampler::{Group, Repeated, Sampler};
 use super::scene::CompiledScene;
 use super::settings::Settings;
 use super::surface::{Attributes, Surface};
-use super::technique::Direct;
+use super::technique::{Direct, Roulette, SamplerKind};
 use crate::math::robust::offset_origin;
 use glam::{Vec2, Vec3};
 
@@ -25,6 +25,9 @@ use glam::{Vec2, Vec3};
 const ROULETTE_FROM: u32 = 2;
 /// From this bounce on a path survives with at most 98 %, so that lossless rooms end.
 const ROULETTE_ALWAYS_FROM: u32 = 32;
+/// Scattering into a direction of at least this density, in 1/sr, is like that of a mirror where caustics are left out:
+/// 50 times that of a diffuse surface at its densest; the middle of the reflection of facets of α ≤ 0.07 is above it.
+pub const MIRROR_LIKE: f32 = 16.0;
 /// Surfaces a ray may pass through between two scatterings before it is given up (counted as an anomaly).
 const MOST_PASSES: u32 = 4096;
 
@@ -35,6 +38,8 @@ pub struct PathStats {
     pub rays: u64,
     /// What should not happen.
     pub anomalies: Anomalies,
+    /// Samples that were scaled down by the technique's limit.
+    pub clamped: u64,
 }
 
 /// What the camera ray met first; for extra layers.
@@ -65,6 +70,29 @@ struct Departure {
     two_sided: bool,
     /// Density of the direction; `None` if light sampling cannot compete (camera, delta lobe).
     pdf: Option<f32>,
+    /// How the path got here, as far as caustics are concerned; [`Way::Any`] where they count.
+    way: Way,
+}
+
+/// What a path has met on its way from the camera, where caustics do not count.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// Nothing rough, or nobody asks.
+    Any,
+    /// A rough surface last.
+    Rough,
+    /// A rough surface, and only mirror-like ones since: light from here is a caustic.
+    Caustic,
+}
+
+impl Way {
+    fn after(self, mirror_like: bool) -> Way {
+        match (self, mirror_like) {
+            (_, false) => Way::Rough,
+            (Way::Any, true) => Way::Any,
+            (Way::Rough | Way::Caustic, true) => Way::Caustic,
+        }
+    }
 }
 
 /// A scene with settings, ready to trace.
@@ -72,8 +100,14 @@ pub struct Kernel<'a> {
     scene: &'a CompiledScene,
     seed: u64,
     nets: u32,
+    sampler: SamplerKind,
     max_depth: u32,
     direct: Direct,
+    /// The bounce at which roulette begins.
+    roulette_from: u32,
+    /// The largest radiance of a sample; infinite for no limit.
+    clamp: f32,
+    caustics: bool,
     /// Whether surfaces take light samples at all.
     sample_lights: bool,
     /// What the camera is inside of.
@@ -86,14 +120,21 @@ impl<'a> Kernel<'a> {
     /// Prepares tracing.
     pub fn new(scene: &'a CompiledScene, settings: &Settings) -> Kernel<'a> {
         let lights = &scene.lights;
-        let a = settings.aovs;
+        let (a, technique) = (settings.aovs, &settings.technique);
         Kernel {
             scene,
             seed: settings.seed,
             nets: settings.nets,
-            max_depth: settings.technique.max_depth,
-            direct: settings.technique.direct,
-            sample_lights: if settings.technique.direct == Direct::Bsdf {
+            sampler: technique.sampler,
+            max_depth: technique.max_depth,
+            direct: technique.direct,
+            roulette_from: match technique.roulette {
+                Roulette::Throughput => ROULETTE_FROM,
+                Roulette::Late => ROULETTE_ALWAYS_FROM,
+            },
+            clamp: technique.clamp.unwrap_or(f32::INFINITY),
+            caustics: technique.caustics,
+            sample_lights: if technique.direct == Direct::Bsdf {
                 lights.has_delta()
             } else {
                 !lights.is_empty()
@@ -110,7 +151,7 @@ impl<'a> Kernel<'a> {
 
     /// The numbers of a sample.
     pub fn sampler(&self, pixel: u32, sample: u32) -> Sampler {
-        Sampler::new(self.seed, pixel, u64::from(sample), self.nets)
+        Sampler::of_kind(self.sampler, self.seed, pixel, u64::from(sample), self.nets)
     }
 
     /// Traces one path. A sample with a NaN or infinite value is counted and becomes black.
@@ -126,6 +167,12 @@ impl<'a> Kernel<'a> {
         if !sample.radiance.is_finite() {
             stats.anomalies.non_finite += 1;
             sample.radiance = Vec3::ZERO;
+        }
+        let brightest = sample.radiance.max_element();
+        if brightest > self.clamp {
+            stats.clamped += 1;
+            // The quotient of a number by itself is 1: the brightest channel becomes the limit exactly.
+            sample.radiance = sample.radiance / brightest * self.clamp;
         }
         sample
     }
@@ -150,6 +197,7 @@ impl<'a> Kernel<'a> {
             n: Vec3::ZERO,
             two_sided: true,
             pdf: None,
+            way: Way::Any,
         };
         let mut media = self.camera_media;
         let mut bounce = 1u32; // 1 is the first surface
@@ -241,7 +289,7 @@ impl<'a> Kernel<'a> {
                 if let Some(light) = sampled
                     && (light.delta || self.direct != Direct::Bsdf)
                 {
-                    let lit = self.lit(&light, &bsdf, &frame, wo_local, wo, &surface, &media, stats);
+                    let lit = self.lit(&light, &bsdf, &frame, wo_local, wo, &surface, &media, from.way, stats);
                     out.radiance += throughput * lit;
                 }
             }
@@ -281,7 +329,7 @@ impl<'a> Kernel<'a> {
             }
             eta_scale *= s.eta * s.eta;
 
-            if bounce >= ROULETTE_FROM {
+            if bounce >= self.roulette_from {
                 let most = if bounce >= ROULETTE_ALWAYS_FROM { 0.98 } else { 1.0 };
                 let survival = (throughput.max_element() * eta_scale).min(most);
                 if scatter[3] >= survival {
@@ -296,6 +344,11 @@ impl<'a> Kernel<'a> {
                 n: toward,
                 two_sided,
                 pdf: (!s.delta).then_some(s.pdf),
+                way: if self.caustics {
+                    Way::Any
+                } else {
+                    from.way.after(s.delta || s.pdf >= MIRROR_LIKE)
+                },
             };
             ray = Ray {
                 origin: offset_origin(surface.p, surface.p_error, surface.ng, wi),
@@ -329,7 +382,7 @@ impl<'a> Kernel<'a> {
         }
         let lights = &self.scene.lights;
         let radiance = lights.escaped(ray.dir);
-        if radiance == Vec3::ZERO {
+        if radiance == Vec3::ZERO || from.way == Way::Caustic {
             return Vec3::ZERO;
         }
         let weight = self.weight(from, || lights.environment_pdf(from.p, from.n, from.two_sided, ray.dir));
@@ -338,6 +391,9 @@ impl<'a> Kernel<'a> {
 
     /// The weight of emission that a scattered ray hit.
     fn hit_weight(&self, ray: &Ray, from: &Departure, surface: &Surface, t: f32) -> f32 {
+        if from.way == Way::Caustic {
+            return 0.0;
+        }
         if surface.light == Surface::NOT_A_LIGHT {
             return 1.0;
         }

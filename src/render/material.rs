@@ -13,16 +13,15 @@ pub use input::{ColorInput, ScalarInput};
 
 use super::bsdf::Bsdf;
 use super::bsdf::diffuse::{Diffuse, OrenNayar, Translucent};
-use super::bsdf::fresnel::fresnel_dielectric;
-use super::bsdf::glossy::Coat;
 use super::bsdf::microfacet::Ggx;
 use super::bsdf::specular::Specular;
 use super::surface::Attributes;
+use super::technique::{FresnelModel, Technique};
 use super::texture::Textures;
 use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
 use glam::Vec3;
-use models::{coated, conductor, is_rough_solid, roughness_to_alpha, solid};
+use models::{dielectric_coat, is_rough_solid, roughness_to_alpha};
 use normal::{mapped_normal, visible_normal};
 
 /// How coverage is used.
@@ -126,11 +125,31 @@ pub enum SurfaceModel {
     Mix { a: u32, b: u32, weight: ScalarInput },
 }
 
+/// Which approximations scattering uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scattering {
+    /// Which share dielectrics reflect. Models that say Schlick's curve themselves, as glTF does, keep to it.
+    pub fresnel: FresnelModel,
+    /// Whether rough surfaces give back the light that bounces between their facets.
+    pub compensated: bool,
+}
+
+impl From<&Technique> for Scattering {
+    fn from(t: &Technique) -> Scattering {
+        Scattering {
+            fresnel: t.fresnel,
+            compensated: t.multiple_scattering,
+        }
+    }
+}
+
 /// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// Scattering.
+    /// What scatters.
     pub surface: SurfaceModel,
+    /// How exactly.
+    pub scattering: Scattering,
     /// Emitted radiance.
     pub emission: ColorInput,
     /// Whether the side of the geometric normal emits.
@@ -169,10 +188,11 @@ pub struct Shading<'a> {
 }
 
 impl Material {
-    /// A material that only scatters, outside of any medium.
+    /// A material that only scatters, outside of any medium, as exactly as is known.
     pub fn new(surface: SurfaceModel) -> Material {
         Material {
             surface,
+            scattering: Scattering::from(&Technique::default()),
             emission: ColorInput::BLACK,
             emits_front: true,
             emits_back: true,
@@ -253,7 +273,7 @@ impl Material {
             SurfaceModel::Glass { color, roughness } => {
                 let color = color.eval(cx.textures, cx.attrs);
                 let alpha = roughness_to_alpha(roughness.unit(cx));
-                solid(color, self.relative_ior(cx), alpha).bsdf()
+                self.scattering.solid(color, self.relative_ior(cx), alpha).bsdf()
             }
             SurfaceModel::Glossy {
                 color,
@@ -263,14 +283,11 @@ impl Material {
                 let color = color.eval(cx.textures, cx.attrs);
                 let alpha = roughness_to_alpha(roughness.unit(cx));
                 if *metal {
-                    conductor(color, Ggx::isotropic(alpha)).bsdf()
+                    self.scattering.conductor(color, Ggx::isotropic(alpha)).bsdf()
                 } else {
-                    let eta = self.relative_ior(cx);
-                    // A coat thinner than what surrounds it reflects like its reciprocal, short of total reflection.
-                    let coat = Coat::Dielectric {
-                        eta: eta.max(1.0 / eta),
-                    };
-                    coated(color, Vec3::ZERO, coat, Ggx::isotropic(alpha)).bsdf()
+                    let coat = dielectric_coat(self.relative_ior(cx), self.scattering.fresnel);
+                    let base = self.scattering.coated(color, Vec3::ZERO, coat, Ggx::isotropic(alpha));
+                    base.bsdf()
                 }
             }
             SurfaceModel::Translucent { color, transmit } => {
@@ -282,7 +299,7 @@ impl Material {
                 })
             }
             SurfaceModel::Principled(p) => self.principled(p, cx, random),
-            SurfaceModel::Finish(f) => Bsdf::Finish(f.lobes(cx)),
+            SurfaceModel::Finish(f) => Bsdf::Finish(f.lobes(self.scattering.fresnel, cx)),
             SurfaceModel::Mix { .. } => Bsdf::Black, // resolved above unless nested without end
         }
     }
@@ -350,11 +367,11 @@ impl Material {
                 if is_rough_solid(eta, roughness_to_alpha(roughness.unit(cx))) {
                     return Vec3::ZERO;
                 }
-                let r = fresnel_dielectric(cos, eta.max(1.0 / eta));
+                let r = self.scattering.fresnel.reflectance(cos, eta.max(1.0 / eta));
                 color.eval(cx.textures, cx.attrs) * (1.0 - r)
             }
             SurfaceModel::Finish(f) => {
-                let mut lobes = f.lobes(cx);
+                let mut lobes = f.lobes(self.scattering.fresnel, cx);
                 if lobes.eta != 1.0 && !bent_too {
                     return Vec3::ZERO;
                 }

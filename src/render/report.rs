@@ -96,6 +96,8 @@ pub struct Report {
     pub error: Option<ErrorEstimate>,
     /// What went wrong.
     pub anomalies: Anomalies,
+    /// Samples that were scaled down by [`super::technique::Technique::clamp`].
+    pub clamped: u64,
 }
 
 /// A finished picture: linear RGB means and what else was asked for, row by row from the top left.

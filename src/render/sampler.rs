@@ -1,4 +1,5 @@
-//! Sample points: Owen-scrambled Sobol' nets, addressed by (seed, pixel, sample, bounce, decision).
+//! Sample points: Owen-scrambled Sobol' nets, addressed by (seed, pixel, sample, bounce, decision); for comparison,
+//! independent numbers by the same addresses.
 //!
 //! Nothing is consumed in sequence: a number depends only on its address, so threads, tiles and effects that
 //! are left out shift nothing. Sample i of a pixel is point j = i div R of net r = i mod R; the R nets are
@@ -7,6 +8,8 @@
 //! Each group of four decisions is one four-dimensional net, shuffled and scrambled by its own seed
 //! (padding). Sources: Sobol' 1967 with Joe & Kuo's direction numbers; Burley, Practical Hash-based Owen
 //! Scrambling, JCGT 2020; the hash is Vegdahl's improvement of Laine and Karras's.
+
+use super::technique::SamplerKind;
 
 /// Groups of four decisions at one bounce. The numbers are addresses: never reuse one for something else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +42,7 @@ pub enum Repeated {
 /// The numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
+    kind: SamplerKind,
     /// Seed of this pixel and net.
     base: u64,
     /// Bit-reversed point number within the net.
@@ -52,10 +56,17 @@ const GROUPS: u64 = 4;
 impl Sampler {
     /// The numbers of sample `sample` of the pixel, with `nets` independent nets (≥ 1). All 2³²·nets samples differ.
     pub fn new(seed: u64, pixel: u32, sample: u64, nets: u32) -> Sampler {
+        Sampler::of_kind(SamplerKind::Sobol, seed, pixel, sample, nets)
+    }
+
+    /// As [`Sampler::new`], or with numbers that are hashes of the same addresses: independent of all others, within a
+    /// sample and between samples.
+    pub fn of_kind(kind: SamplerKind, seed: u64, pixel: u32, sample: u64, nets: u32) -> Sampler {
         let net = sample % u64::from(nets);
         let index = (sample / u64::from(nets)) as u32;
         let base = mix64(mix64(seed ^ 0x9E37_79B9_7F4A_7C15).wrapping_add(u64::from(pixel) << 8 | net));
         Sampler {
+            kind,
             base,
             reversed_index: index.reverse_bits(),
             hash: mix64(base ^ (u64::from(index) << 1 | 1)),
@@ -65,6 +76,9 @@ impl Sampler {
     /// Four numbers in [0, 1) for a group of decisions at a bounce (0 is the camera, 1 the first surface).
     #[inline(always)]
     pub fn get4(&self, bounce: u32, group: Group) -> [f32; 4] {
+        if self.kind == SamplerKind::Independent {
+            return self.hashed4(bounce, group);
+        }
         let h = mix64(
             self.base
                 .wrapping_add((u64::from(bounce) * GROUPS + group as u64) << 1 | 1),
@@ -84,6 +98,19 @@ impl Sampler {
             *u = unit_f32(scrambled.reverse_bits());
         }
         u
+    }
+
+    /// As [`Sampler::get4`] without any net. Apart from it, so that the usual way stays short.
+    #[inline(never)]
+    fn hashed4(&self, bounce: u32, group: Group) -> [f32; 4] {
+        // Above the addresses of repeated decisions, which use up to 4·2³² of each bounce's 2⁴⁰.
+        let address = (u64::from(bounce) << 40) | ((GROUPS + group as u64) << 32);
+        let pair = |i: u64| {
+            let h = mix64(self.hash ^ mix64(address | i));
+            [unit_f32(h as u32), unit_f32((h >> 32) as u32)]
+        };
+        let ([a, b], [c, d]) = (pair(0), pair(1));
+        [a, b, c, d]
     }
 
     /// A number in [0, 1) for the `step`-th repetition of a decision at a bounce; independent, not stratified.
@@ -230,6 +257,42 @@ mod tests {
         let b = Sampler::new(0, 9, 70_000 - 65_536, 1).get4(500, Group::Primary);
         assert_ne!(a, b);
         assert!(a.iter().all(|u| (0.0..1.0).contains(u)));
+    }
+
+    /// χ² of pairs of one sample, over consecutive samples and over pixels, each at a false-alarm rate of 10⁻⁴: hashed
+    /// numbers know nothing of one another. A net's would fail the first by being too even, which the bound from the
+    /// other side shows.
+    #[test]
+    fn independent_numbers_are_uniform_and_not_stratified() {
+        let n = 1u32 << 16;
+        let k = 64;
+        let p_of = |kind, numbers: &dyn Fn(&Sampler) -> (f32, f32), place: &dyn Fn(u32) -> (u32, u64)| {
+            let mut counts = vec![0.0; k * k];
+            for i in 0..n {
+                let (pixel, sample) = place(i);
+                let (x, y) = numbers(&Sampler::of_kind(kind, 5, pixel, sample, 4));
+                counts[(x * k as f32) as usize * k + (y * k as f32) as usize] += 1.0;
+            }
+            crate::math::stats::chi2_test(&counts, &vec![f64::from(n) / (k * k) as f64; k * k])
+        };
+        let one = |s: &Sampler| {
+            let u = s.get4(3, Group::Light);
+            (u[0], u[1])
+        };
+        let two = |s: &Sampler| (s.get4(1, Group::Primary)[3], s.get4(2, Group::Light)[2]);
+        let samples = |i: u32| (9, u64::from(i));
+        let pixels = |i: u32| (i, 9);
+        let independent = SamplerKind::Independent;
+        for p in [
+            p_of(independent, &one, &samples),
+            p_of(independent, &one, &pixels),
+            p_of(independent, &two, &samples),
+            p_of(independent, &two, &pixels),
+        ] {
+            assert!(p > 1e-4 && p < 1.0 - 1e-4, "p = {p}");
+        }
+        let net = p_of(SamplerKind::Sobol, &one, &samples);
+        assert!(net > 1.0 - 1e-4, "the net is no more even than chance: p = {net}");
     }
 
     /// χ² over pixels: the nets of different pixels and groups are scrambled independently.

@@ -94,8 +94,11 @@ pub struct Ablation {
     pub time: f64,
     /// Standard error of `time` over the seeds.
     pub time_se: f64,
-    /// Mean |luminance with − without| over the mean luminance with it, noise subtracted.
+    /// Mean luminance that goes with it, over the mean luminance of the whole: (with − without) / with. Negative where
+    /// the picture is brighter without it.
     pub energy: f64,
+    /// Standard error of `energy` over the seeds.
+    pub energy_se: f64,
     /// Mean FLIP between the pictures with and without it.
     pub flip: f64,
     /// Share of blocks of pixels that differ beyond noise.

@@ -5,14 +5,23 @@
 //! [`blocks`], can be used alone. Nothing here renders, and nothing knows how images were made.
 
 pub mod blocks;
+pub mod chart;
 pub mod experiment;
+pub mod fit;
 pub mod flip;
 pub mod heatmap;
 mod image;
 pub mod metrics;
+mod points;
+pub mod recommend;
+#[cfg(test)]
+mod synthetic;
+pub mod table;
+mod words;
 
 pub use image::Image;
 pub use metrics::{CompareError, Metrics, Options, compare, compare_with};
+pub use points::{pareto, points};
 
 /// Luminance of linear Rec. 709 in f64; exact under scaling by powers of two.
 pub(crate) fn luminance(c: [f32; 3]) -> f64 {

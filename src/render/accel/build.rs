@@ -2,6 +2,7 @@
 
 use super::bounds::Bounds;
 use super::node::{LEAF, Node, Tree, WIDTH};
+use crate::render::technique::BuildPreset;
 use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
@@ -22,8 +23,8 @@ impl Boundable for Item {
 }
 
 /// A tree over these boxes with at most `leaf_size` primitives a leaf. Empty input gives an empty tree; identical boxes,
-/// flat ones and huge ones are all fine.
-pub fn build_tree(bounds: &[Bounds], leaf_size: u32) -> Tree {
+/// flat ones and huge ones are all fine. How thoroughly it is built changes what a ray visits, never what it hits.
+pub fn build_tree(bounds: &[Bounds], leaf_size: u32, preset: BuildPreset) -> Tree {
     if bounds.is_empty() {
         return Tree::default();
     }
@@ -46,7 +47,7 @@ pub fn build_tree(bounds: &[Bounds], leaf_size: u32) -> Tree {
     let binary = if topdown::is_needed(&boxes) {
         topdown::build(&boxes, leaf_size as usize)
     } else {
-        cluster(&boxes, leaf_size)
+        cluster(&boxes, leaf_size, preset)
     };
     let mut tree = widen(
         &binary,
@@ -164,7 +165,7 @@ fn scaled(b: Bounds, factor: f64) -> Bounds {
 
 /// The usual way: clustering, then optimisation by reinsertion, then leaves as full as they may be (a leaf costs the
 /// same however full it is).
-fn cluster(boxes: &[Bounds], leaf_size: u32) -> Bvh2 {
+fn cluster(boxes: &[Bounds], leaf_size: u32, preset: BuildPreset) -> Bvh2 {
     // In a row of equal boxes all neighbours are equally good, and one pair would be merged a round. Widening each box
     // by its own share of 2⁻¹² breaks the ties.
     let widened = |(b, i): (&Bounds, u32)| {
@@ -174,7 +175,12 @@ fn cluster(boxes: &[Bounds], leaf_size: u32) -> Bvh2 {
     };
     let items: Vec<Item> = boxes.iter().zip(0..).map(widened).collect();
     let items = &items[..];
-    let params = BvhBuildParams::medium_build();
+    // The library's presets, of which pre-splitting and the cost model of leaves are not used here.
+    let params = match preset {
+        BuildPreset::Fast => BvhBuildParams::fastest_build(),
+        BuildPreset::Medium => BvhBuildParams::medium_build(),
+        BuildPreset::High => BvhBuildParams::very_slow_build(),
+    };
     let mut bvh = PlocBuilder::with_capacity(items.len()).build(
         params.ploc_search_distance,
         items,
@@ -183,11 +189,16 @@ fn cluster(boxes: &[Bounds], leaf_size: u32) -> Bvh2 {
         params.search_depth_threshold,
     );
     let mut optimizer = ReinsertionOptimizer::default();
-    optimizer.run(&mut bvh, params.reinsertion_batch_ratio, None);
+    let mut optimize = |bvh: &mut Bvh2, ratio: f32| {
+        if ratio > 0.0 {
+            optimizer.run(bvh, ratio, None);
+        }
+    };
+    optimize(&mut bvh, params.reinsertion_batch_ratio);
     if leaf_size > 1 {
         collapse(&mut bvh, leaf_size, f32::from(u8::MAX));
         let ratio = params.reinsertion_batch_ratio * params.post_collapse_reinsertion_batch_ratio_multiplier;
-        optimizer.run(&mut bvh, ratio, None);
+        optimize(&mut bvh, ratio);
     }
     bvh
 }

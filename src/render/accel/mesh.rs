@@ -7,6 +7,7 @@ use super::simd::Isa;
 use super::traverse::{BoxRay, Leaf, traverse};
 use super::triangle::{LANES, ShearedRay, TriangleBlock};
 use crate::render::shape::candidates::Candidates;
+use crate::render::technique::BuildPreset;
 use glam::Vec3;
 
 /// Triangles ready to be hit, in a unit in which the largest coordinate is between 1 and 2, so that
@@ -22,7 +23,7 @@ pub struct MeshTree {
 
 impl MeshTree {
     /// Builds the tree. Triangles with corners that do not exist or are not finite are left out.
-    pub fn build(positions: &[Vec3], triangles: &[[u32; 3]]) -> MeshTree {
+    pub fn build(positions: &[Vec3], triangles: &[[u32; 3]], preset: BuildPreset) -> MeshTree {
         let finite = positions.iter().filter(|p| p.is_finite());
         let largest = finite.fold(0.0f32, |m, p| m.max(p.abs().max_element()));
         let unit = if largest > 0.0 {
@@ -41,7 +42,7 @@ impl MeshTree {
             }
         }
         let bounds: Vec<Bounds> = items.iter().map(|(_, corners)| Bounds::around(corners)).collect();
-        let tree = build_tree(&bounds, LANES as u32);
+        let tree = build_tree(&bounds, LANES as u32, preset);
         let pack = |leaf: &[u32]| {
             let few: Vec<_> = leaf.iter().map(|&i| items[i as usize]).collect();
             TriangleBlock::new(&few)

@@ -10,6 +10,7 @@ use super::traverse::{BoxRay, Leaf, traverse};
 use crate::render::ray::{Hit, Ray};
 use crate::render::shape::candidates::Candidates;
 use crate::render::shape::{Placed, Shape, plane, sphere};
+use crate::render::technique::BuildPreset;
 use glam::{DAffine3, DVec3};
 use std::marker::PhantomData;
 
@@ -69,7 +70,7 @@ pub struct SceneTree {
 
 impl SceneTree {
     /// Builds the structure over objects given as shape and visibility. Meshes out of range count as empty.
-    pub fn build(objects: &[(&Shape, u8)], meshes: Vec<MeshTree>) -> SceneTree {
+    pub fn build(objects: &[(&Shape, u8)], meshes: Vec<MeshTree>, preset: BuildPreset) -> SceneTree {
         let mut tree = SceneTree {
             targets: Vec::with_capacity(objects.len()),
             visibility: objects.iter().map(|o| o.1).collect(),
@@ -106,7 +107,7 @@ impl SceneTree {
                 }
             }
         }
-        let built = build_tree(&bounds, 1);
+        let built = build_tree(&bounds, 1, preset);
         tree.stack_need = built.stack_need;
         tree.nodes = built.nodes;
         // One object a leaf: name it in the node itself.

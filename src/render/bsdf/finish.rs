@@ -10,12 +10,13 @@
 //! scenes with an open water plane look as in POV-Ray.
 
 use super::energy::schlick_albedo;
-use super::fresnel::{fresnel_dielectric, reflect, refract_at_plane, schlick_weight};
+use super::fresnel::{reflect, refract_at_plane, schlick_weight};
 use super::microfacet::Ggx;
 use super::specular::mirrored;
 use super::{BsdfSample, facing_up, with_side_of};
 use crate::math::portable::{pow, sin_cos_turns};
 use crate::math::robust::sqrt_of_nonnegative;
+use crate::render::technique::FresnelModel;
 use glam::{Vec2, Vec3};
 
 /// POV-Ray's surface, with the pigment multiplied in.
@@ -41,6 +42,8 @@ pub struct Finish {
     pub passes: Vec3,
     /// n_inside / n_outside; 1 where light passes straight.
     pub eta: f32,
+    /// How the mirror by Fresnel is computed.
+    pub fresnel: FresnelModel,
     /// Whether what passes is reduced by the mirror (`conserve_energy`).
     pub conserve: bool,
 }
@@ -70,6 +73,7 @@ impl Finish {
         falloff: 0.0,
         passes: Vec3::ZERO,
         eta: 1.0,
+        fresnel: FresnelModel::Exact,
         conserve: false,
     };
 
@@ -92,7 +96,7 @@ impl Finish {
     pub fn mirror(&self, wo: Vec3) -> Vec3 {
         let cos = wo.z.abs();
         let w = if self.falloff.is_nan() {
-            fresnel_dielectric(cos, self.eta_towards(wo))
+            self.fresnel.reflectance(cos, self.eta_towards(wo))
         } else if self.mirror_min == self.mirror_max {
             0.0
         } else {

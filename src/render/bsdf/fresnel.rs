@@ -1,6 +1,7 @@
 //! Reflectance of smooth interfaces, and the directions that they reflect and refract to.
 
 use crate::math::robust::try_normalize;
+use crate::render::technique::FresnelModel;
 use glam::Vec3;
 
 /// Unpolarised Fresnel reflectance of a smooth dielectric, in [0, 1].
@@ -20,6 +21,32 @@ pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> f32 {
     let s = (cos_i - t) / (cos_i + t);
     let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     0.5 * (s * s + p * p)
+}
+
+impl FresnelModel {
+    /// Reflectance of a smooth dielectric by this model, with the arguments of [`fresnel_dielectric`].
+    ///
+    /// Schlick's approximation is F0 + (1 − F0)·(1 − cos)⁵, by rights with the cosine on the optically thinner side: where
+    /// the ray comes from the denser one, that of the refracted ray. All models agree at normal incidence, on total
+    /// internal reflection (exactly 1), and that nothing is reflected where the indices are equal.
+    /// Source: Schlick, An Inexpensive BRDF Model for Physically-based Rendering, 1994.
+    #[inline]
+    pub fn reflectance(self, cos_i: f32, eta: f32) -> f32 {
+        if self == FresnelModel::Exact {
+            return fresnel_dielectric(cos_i, eta);
+        }
+        if eta == 1.0 {
+            return 0.0;
+        }
+        let k = (eta - 1.0) * (eta + 1.0) + cos_i * cos_i;
+        if !(k >= 0.0 && k.is_finite() && eta > 0.0) {
+            return 1.0;
+        }
+        let refracts_out = eta < 1.0 && self == FresnelModel::Schlick;
+        let cos = if refracts_out { k.sqrt() / eta } else { cos_i };
+        let f0 = f0_from_eta(eta);
+        f0 + (1.0 - f0) * schlick_weight(cos)
+    }
 }
 
 /// (1 − cos)⁵, Schlick's weight of the reflectance at grazing incidence.
@@ -146,6 +173,63 @@ mod tests {
         }
         let r = fresnel_dielectric(1.0, 1.5);
         assert!(((1.0 - r) / (1.0 + r) - 0.923_077).abs() < 1e-6); // 12/13 for 1.5
+    }
+
+    /// The textbook form in f64: both models of Schlick against it, on both sides of the boundary.
+    #[test]
+    fn schlick_is_the_formula_and_the_slip_shows_inside_only() {
+        let (right, slip) = (FresnelModel::Schlick, FresnelModel::SchlickIncident);
+        for eta in [1.1f32, 1.33, 1.5, 2.4] {
+            let mut largest_slip = 0.0f32;
+            for i in 0..=1000 {
+                let cos = i as f32 / 1000.0;
+                let f0 = ((f64::from(eta) - 1.0) / (f64::from(eta) + 1.0)).powi(2);
+                let formula = |c: f64| f0 + (1.0 - f0) * (1.0 - c).powi(5);
+                let near = |found: f32, wanted: f64| {
+                    assert!(
+                        (f64::from(found) - wanted).abs() < 2e-6,
+                        "eta {eta}, cos {cos}: {found}, not {wanted}"
+                    );
+                };
+                near(right.reflectance(cos, eta), formula(f64::from(cos)));
+                assert_eq!(right.reflectance(cos, eta), slip.reflectance(cos, eta));
+                if i < 10 {
+                    continue; // rounding may make it total reflection
+                }
+                // The same ray backwards: out of the denser side under the angle that it has in there.
+                let inside = (1.0 - (1.0 - f64::from(cos).powi(2)) / f64::from(eta).powi(2)).sqrt() as f32;
+                let out = right.reflectance(inside, 1.0 / eta);
+                // Near grazing the outer cosine is the root of a difference of two rounded squares.
+                let tolerance = 3e-6 + 1e-6 / f64::from(cos.max(1e-3));
+                assert!(
+                    (f64::from(out) - formula(f64::from(cos))).abs() < tolerance,
+                    "eta {eta}, cos {cos}: {out}"
+                );
+                near(slip.reflectance(inside, 1.0 / eta), formula(f64::from(inside)));
+                largest_slip = largest_slip.max((out - slip.reflectance(inside, 1.0 / eta)).abs());
+            }
+            assert!(largest_slip > 0.1, "the slip does not show: {largest_slip}");
+        }
+    }
+
+    #[test]
+    fn all_models_agree_where_they_must() {
+        for model in [
+            FresnelModel::Exact,
+            FresnelModel::Schlick,
+            FresnelModel::SchlickIncident,
+        ] {
+            for eta in [1.5f32, 1.0 / 1.5, 2.4, 0.9] {
+                let normal = fresnel_dielectric(1.0, eta);
+                assert!((model.reflectance(1.0, eta) - normal).abs() < 1e-7, "{model:?} {eta}");
+            }
+            assert_eq!(model.reflectance(1.0, 1.5), f0_from_eta(1.5));
+            for cos in [0.0, 0.1, 0.5, 0.74] {
+                assert_eq!(model.reflectance(cos, 1.0 / 1.5), 1.0); // critical cosine 0.745
+                assert_eq!(model.reflectance(cos, f32::INFINITY), 1.0);
+                assert_eq!(model.reflectance(cos, 1.0), 0.0);
+            }
+        }
     }
 
     #[test]

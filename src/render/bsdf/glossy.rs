@@ -94,9 +94,30 @@ pub struct Glossy {
     pub coat: Coat,
     /// The coat's facets.
     pub ggx: Ggx,
+    /// Whether the base gets what the facets hide from one another. Without it the base gets what the coat does not
+    /// reflect of that which white facets would scatter at once.
+    pub compensated: bool,
 }
 
 impl Glossy {
+    /// Share of light that facets hide from one another and nobody gets, seen under this cosine.
+    fn lost(&self, cos: f32) -> f32 {
+        if self.compensated {
+            return 0.0;
+        }
+        let (base, edge) = schlick_albedo(cos, self.ggx.alpha());
+        (1.0 - base - edge).clamp(0.0, 1.0)
+    }
+
+    /// Mean of [`Glossy::lost`] over views.
+    fn mean_lost(&self) -> f32 {
+        if self.compensated {
+            return 0.0;
+        }
+        let (base, edge) = schlick_mean(self.ggx.alpha());
+        (1.0 - base - edge).clamp(0.0, 1.0)
+    }
+
     fn coat_albedo(&self, cos: f32) -> f32 {
         self.coat.albedo(cos, self.ggx.alpha()).max_element().clamp(0.0, 1.0)
     }
@@ -107,8 +128,14 @@ impl Glossy {
         let eo = self.coat_albedo(wo.z);
         let (coat, front, back) = shares(eo, self.base, self.back);
         let cosine = wi.z.abs() * INV_PI;
-        let mean = self.coat.mean(self.ggx.alpha()).max_element();
-        let base = base_factor(eo, self.coat_albedo(wi.z.abs()), mean) * cosine;
+        let mut mean = self.coat.mean(self.ggx.alpha()).max_element();
+        let (mut eo, mut ei) = (eo, self.coat_albedo(wi.z.abs()));
+        if !self.compensated {
+            mean += self.mean_lost();
+            eo += self.lost(wo.z);
+            ei += self.lost(wi.z.abs());
+        }
+        let base = base_factor(eo, ei, mean) * cosine;
         if wi.z > 0.0 {
             let (f, pdf, cos) = self.ggx.reflection(wo, wi);
             let value = self.coat.reflectance(cos) * f + self.base * base;
@@ -138,7 +165,7 @@ impl Glossy {
     /// Directional albedo.
     pub fn albedo(&self, wo: Vec3) -> Vec3 {
         let e = self.coat.albedo(wo.z.abs(), self.ggx.alpha());
-        e + (self.base + self.back) * (1.0 - e.max_element()).max(0.0)
+        e + (self.base + self.back) * (1.0 - e.max_element() - self.lost(wo.z.abs())).max(0.0)
     }
 }
 

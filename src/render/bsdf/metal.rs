@@ -18,11 +18,16 @@ pub struct Metal {
     pub f0: Vec3,
     /// The facets.
     pub ggx: Ggx,
+    /// Whether what single scattering loses is added back.
+    pub compensated: bool,
 }
 
 impl Metal {
-    /// Share of light that a single scattering loses, seen under this cosine.
+    /// Share of light that a single scattering loses and that is added back, seen under this cosine.
     fn lost(&self, cos: f32) -> f32 {
+        if !self.compensated {
+            return 0.0;
+        }
         let (base, edge) = schlick_albedo(cos, self.ggx.alpha());
         (1.0 - base - edge).clamp(0.0, 1.0)
     }

@@ -26,7 +26,6 @@ mod tests;
 
 use diffuse::{Diffuse, OrenNayar, Translucent};
 use finish::Finish;
-use fresnel::fresnel_dielectric;
 use glam::{Vec2, Vec3};
 use glossy::{Glossy, SmoothCoat};
 use metal::Metal;
@@ -230,7 +229,7 @@ impl Bsdf {
             Bsdf::OrenNayar(b) => b.albedo(wo),
             Bsdf::Specular(b) => b.reflectance(wo.z.abs()),
             Bsdf::Glass(b) => {
-                let r = fresnel_dielectric(wo.z.abs(), b.eta_towards(wo));
+                let r = b.fresnel.reflectance(wo.z.abs(), b.eta_towards(wo));
                 Vec3::splat(r) + b.color * (1.0 - r)
             }
             Bsdf::ThinGlass(b) => {

@@ -2,11 +2,12 @@
 
 use super::diffuse::sample_cosine_beside;
 use super::energy::{schlick_albedo, schlick_mean, solid_albedo, solid_mean, typical_reflectance};
-use super::fresnel::{fresnel_dielectric, reflect, refract, schlick};
+use super::fresnel::{reflect, refract, schlick};
 use super::microfacet::Ggx;
 use super::{BsdfSample, facing_up, with_side_of};
 use crate::math::robust::try_normalize;
 use crate::math::warp::INV_PI;
+use crate::render::technique::FresnelModel;
 use glam::{Vec2, Vec3};
 
 /// The rough boundary of a dielectric solid.
@@ -22,6 +23,11 @@ pub struct RoughGlass {
     pub eta: f32,
     /// The facets.
     pub ggx: Ggx,
+    /// Which share facets reflect. What single scattering loses is taken from the tables of the exact equations always:
+    /// it depends on the facets, and hardly on how light is shared between the sides.
+    pub fresnel: FresnelModel,
+    /// Whether what single scattering loses is added back.
+    pub compensated: bool,
 }
 
 impl RoughGlass {
@@ -30,8 +36,11 @@ impl RoughGlass {
         if wo.z >= 0.0 { self.eta } else { 1.0 / self.eta }
     }
 
-    /// Share of light lost by single scattering, on the side whose relative index is `eta`.
+    /// Share of light lost by single scattering that is added back, on the side whose relative index is `eta`.
     fn lost(&self, cos: f32, eta: f32) -> f32 {
+        if !self.compensated {
+            return 0.0;
+        }
         (1.0 - solid_albedo(cos.abs(), self.ggx.alpha(), eta)).clamp(0.0, 1.0)
     }
 
@@ -55,7 +64,7 @@ impl RoughGlass {
         let cosine = wi.z.abs() * INV_PI;
         if wi.z > 0.0 {
             let (f, pdf, cos) = self.ggx.reflection(wo, wi);
-            let r = fresnel_dielectric(cos, eta);
+            let r = self.fresnel.reflectance(cos, eta);
             let multiple = if here > 0.0 {
                 (1.0 - share) * lost * self.lost(wi.z, eta) / here
             } else {
@@ -89,7 +98,7 @@ impl RoughGlass {
         if !(om > 0.0 && im < 0.0) {
             return (0.0, 0.0);
         }
-        let t = 1.0 - fresnel_dielectric(om, eta);
+        let t = 1.0 - self.fresnel.reflectance(om, eta);
         let denominator = im + om / eta;
         let jacobian = -im / (denominator * denominator);
         let d = self.ggx.d(m);
@@ -107,7 +116,7 @@ impl RoughGlass {
             sample_cosine_beside(if beyond { -up } else { up }, u)
         } else {
             let m = self.ggx.sample_visible(up, u);
-            if u_lobe - lost < (1.0 - lost) * fresnel_dielectric(up.dot(m).max(0.0), eta) {
+            if u_lobe - lost < (1.0 - lost) * self.fresnel.reflectance(up.dot(m).max(0.0), eta) {
                 Some(reflect(up, m)).filter(|wi| wi.z > 0.0)?
             } else {
                 refract(up, m, eta).filter(|wi| wi.z < 0.0)?
@@ -128,7 +137,12 @@ impl RoughGlass {
         let lost = self.lost(wo.z, eta);
         let typical = typical_reflectance(wo.z.abs(), self.ggx.alpha(), eta);
         let r = (1.0 - lost) * typical + lost * (1.0 - self.sides(eta).2);
-        Vec3::splat(r) + self.color * (1.0 - r)
+        let albedo = Vec3::splat(r) + self.color * (1.0 - r);
+        if self.compensated {
+            albedo
+        } else {
+            albedo * solid_albedo(wo.z.abs(), self.ggx.alpha(), eta).clamp(0.0, 1.0)
+        }
     }
 }
 
@@ -143,10 +157,16 @@ pub struct RoughThinGlass {
     pub f90: f32,
     /// The facets.
     pub ggx: Ggx,
+    /// Whether what single scattering loses is added back.
+    pub compensated: bool,
 }
 
 impl RoughThinGlass {
+    /// Share of light lost by single scattering that is added back.
     fn lost(&self, cos: f32) -> f32 {
+        if !self.compensated {
+            return 0.0;
+        }
         let (base, edge) = schlick_albedo(cos, self.ggx.alpha());
         (1.0 - base - edge).clamp(0.0, 1.0)
     }
@@ -207,7 +227,8 @@ impl RoughThinGlass {
         let (base, edge) = schlick_albedo(wo.z.abs(), self.ggx.alpha());
         let lost = self.lost(wo.z.abs());
         let r = self.f0 * base + Vec3::splat(self.f90 * edge);
-        let passes = Vec3::splat(1.0 - lost) - r;
+        let hidden = (1.0 - base - edge).clamp(0.0, 1.0);
+        let passes = Vec3::splat(1.0 - hidden) - r;
         r + self.color * passes + (Vec3::ONE + self.color) * (0.5 * lost)
     }
 }

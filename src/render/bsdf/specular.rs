@@ -1,7 +1,8 @@
 //! Smooth surfaces, whose lobes are single directions: the mirror, the smooth dielectric and the smooth thin sheet.
 
 use super::BsdfSample;
-use super::fresnel::{fresnel_dielectric, refract_at_plane, schlick, schlick_weight};
+use super::fresnel::{refract_at_plane, schlick, schlick_weight};
+use crate::render::technique::FresnelModel;
 use glam::Vec3;
 
 /// A perfect mirror.
@@ -41,6 +42,8 @@ pub struct Glass {
     pub color: Vec3,
     /// n_inside / n_outside; inside is −z.
     pub eta: f32,
+    /// Which share is reflected.
+    pub fresnel: FresnelModel,
 }
 
 impl Glass {
@@ -52,7 +55,7 @@ impl Glass {
     /// Reflection with the probability of the reflectance, else refraction.
     pub fn sample(&self, wo: Vec3, u_lobe: f32) -> Option<BsdfSample> {
         let eta = self.eta_towards(wo);
-        let r = fresnel_dielectric(wo.z.abs(), eta);
+        let r = self.fresnel.reflectance(wo.z.abs(), eta);
         if u_lobe < r {
             return Some(BsdfSample::delta(mirrored(wo), Vec3::ONE, r));
         }

@@ -1,6 +1,6 @@
 //! Light samples: what they add, and what stands in their way.
 
-use super::{Kernel, MOST_PASSES, NO_ATTRIBUTES, PathStats, go_on};
+use super::{Kernel, MIRROR_LIKE, MOST_PASSES, NO_ATTRIBUTES, PathStats, Way, go_on};
 use crate::math::frame::Frame;
 use crate::math::robust::offset_origin;
 use crate::render::bsdf::Bsdf;
@@ -23,6 +23,7 @@ impl Kernel<'_> {
         wo: Vec3,
         surface: &Surface,
         media: &MediumStack,
+        way: Way,
         stats: &mut PathStats,
     ) -> Vec3 {
         let wi_local = frame.to_local(light.wi);
@@ -31,7 +32,8 @@ impl Kernel<'_> {
             return Vec3::ZERO;
         }
         let (f, bsdf_pdf) = bsdf.eval_pdf(wo_local, wi_local);
-        if f == Vec3::ZERO {
+        let is_caustic = way != Way::Any && way.after(bsdf_pdf >= MIRROR_LIKE) == Way::Caustic;
+        if f == Vec3::ZERO || is_caustic {
             return Vec3::ZERO;
         }
         let weight = if light.delta || self.direct == Direct::Light {

@@ -17,6 +17,7 @@ mod flat;
 mod lamp;
 mod mis;
 mod parallelogram;
+mod power;
 mod set;
 mod solid_angle;
 mod sphere;

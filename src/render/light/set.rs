@@ -1,17 +1,19 @@
 //! All lights of a scene, and the choice among them.
 
 use super::bounds::LightBounds;
-use super::choice::extend;
+use super::choice::{Table, extend};
 use super::distant::{DistantLights, is_distant, split_number};
 use super::tree::LightTree;
-use super::{Aim, EnvironmentLight, HitOnLight, Light, LightSample, Receiver, coincident};
+use super::{Aim, EnvironmentLight, HitOnLight, Light, LightSample, Receiver, coincident, power};
+use crate::render::technique::LightPick;
 use glam::{Vec2, Vec3};
 
 /// The lights of a scene, ready to be sampled.
 ///
 /// A single light is chosen always. Otherwise the lights with 1/r² stand in a tree, the others beside it; the group is
 /// chosen by an estimate of the irradiance it brings, kept within [1/8, 7/8] where both bring some. A light that can
-/// contribute at the receiver has a positive probability; one that cannot may have 0.
+/// contribute at the receiver has a positive probability; one that cannot may have 0. For comparison, lights can also be
+/// chosen by their power or evenly, with the same probabilities everywhere.
 #[derive(Clone, Debug, Default)]
 pub struct LightSet {
     lights: Vec<Light>,
@@ -22,28 +24,58 @@ pub struct LightSet {
 }
 
 #[derive(Clone, Debug)]
-struct Choice {
+enum Choice {
+    /// By what they can do at the receiver.
+    Weighed(Weighed),
+    /// With the same probabilities everywhere.
+    Fixed(Table),
+}
+
+#[derive(Clone, Debug)]
+struct Weighed {
     tree: LightTree,
     distant: DistantLights,
 }
 
 /// The least probability of a group that can contribute.
 const MIN_GROUP: f64 = 0.125;
+/// The part of the probability that lights chosen by power share evenly: a weak lamp must not be starved.
+const MIN_SHARE: f64 = 1.0 / 1024.0;
 
 impl LightSet {
     /// Takes the lights; their indices stay what they are. At most 2³¹ lights. Of emitters with exactly the same shape
     /// and place only the one with the lowest primitive is ever chosen, since rays see only that one.
     pub fn new(lights: Vec<Light>) -> LightSet {
+        LightSet::with_pick(lights, LightPick::Tree, None)
+    }
+
+    /// As [`LightSet::new`], with the way in which one of several is chosen. `bounds` is the box of what stands in the
+    /// scene, which says how much of the sun and the sky it can catch; only [`LightPick::Power`] asks for it.
+    pub fn with_pick(lights: Vec<Light>, pick: LightPick, bounds: Option<(Vec3, Vec3)>) -> LightSet {
         let choice = (lights.len() > 1).then(|| {
             let hidden = coincident::hidden(&lights);
-            let near = (0u32..)
-                .zip(lights.iter().zip(&hidden))
-                .filter(|(_, (l, hidden))| !is_distant(l) && !**hidden)
-                .filter_map(|(i, (l, _))| Some((i, LightBounds::of(l)?)));
-            Box::new(Choice {
-                tree: LightTree::new(lights.len(), near),
-                distant: DistantLights::new(&lights),
-            })
+            if pick == LightPick::Tree {
+                let near = (0u32..)
+                    .zip(lights.iter().zip(&hidden))
+                    .filter(|(_, (l, hidden))| !is_distant(l) && !**hidden)
+                    .filter_map(|(i, (l, _))| Some((i, LightBounds::of(l)?)));
+                return Box::new(Choice::Weighed(Weighed {
+                    tree: LightTree::new(lights.len(), near),
+                    distant: DistantLights::new(&lights),
+                }));
+            }
+            let reach = power::reach(&lights, bounds);
+            let weigh = |(light, hidden): (&Light, &bool)| {
+                let power = if *hidden { 0.0 } else { power::of(light, reach) };
+                if pick == LightPick::Uniform && power > 0.0 {
+                    1.0
+                } else {
+                    power
+                }
+            };
+            let weights: Vec<f64> = lights.iter().zip(&hidden).map(weigh).collect();
+            let even_share = if pick == LightPick::Power { MIN_SHARE } else { 0.0 };
+            Box::new(Choice::Fixed(Table::new(&weights, even_share)))
         });
         let environments = (0u32..)
             .zip(&lights)
@@ -198,6 +230,22 @@ impl LightSet {
 }
 
 impl Choice {
+    fn sample(&self, at: &Receiver, u: f64) -> Option<(u32, f32)> {
+        match self {
+            Choice::Weighed(weighed) => weighed.sample(at, u),
+            Choice::Fixed(table) => table.sample(u).map(|(light, p)| (light as u32, p as f32)),
+        }
+    }
+
+    fn probability(&self, at: &Receiver, light: u32) -> f32 {
+        match self {
+            Choice::Weighed(weighed) => weighed.probability(at, light),
+            Choice::Fixed(table) => table.probability(light as usize) as f32,
+        }
+    }
+}
+
+impl Weighed {
     /// Probability of the tree; `None` if neither group can contribute.
     fn tree_share(&self, at: &Receiver) -> Option<f64> {
         if self.distant.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::super::bsdf::Bsdf;
 use super::super::bsdf::finish::Finish;
-use super::super::bsdf::fresnel::{f0_from_eta, fresnel_dielectric};
+use super::super::bsdf::fresnel::f0_from_eta;
 use super::super::bsdf::glossy::{Coat, Glossy, SmoothCoat};
 use super::super::bsdf::metal::Metal;
 use super::super::bsdf::microfacet::{ALPHA_DELTA, Ggx};
@@ -10,7 +10,8 @@ use super::super::bsdf::principled::{Base, Clearcoat, Principled};
 use super::super::bsdf::rough_glass::{RoughGlass, RoughThinGlass};
 use super::super::bsdf::sheen::Sheen;
 use super::super::bsdf::specular::{Glass, Specular, ThinGlass};
-use super::{FinishInputs, Material, PrincipledInputs, ScalarInput, Shading};
+use super::super::technique::FresnelModel;
+use super::{FinishInputs, Material, PrincipledInputs, ScalarInput, Scattering, Shading};
 use glam::Vec3;
 
 /// α of a perceptual roughness.
@@ -28,30 +29,60 @@ pub(super) fn is_rough_solid(eta: f32, alpha: f32) -> bool {
     alpha >= ALPHA_DELTA && alpha * (eta - 1.0).abs() >= ALPHA_DELTA
 }
 
-/// The boundary of a dielectric solid.
-pub(super) fn solid(color: Vec3, eta: f32, alpha: f32) -> Base {
-    match Ggx::isotropic(alpha) {
-        Some(ggx) if is_rough_solid(eta, alpha) => Base::RoughGlass(RoughGlass { color, eta, ggx }),
-        _ => Base::Glass(Glass { color, eta }),
+/// The coat of a dielectric of relative index `eta`. One thinner than what surrounds it reflects like its reciprocal,
+/// short of total reflection; it is always seen from the thinner side, where both models of Schlick are one.
+pub(super) fn dielectric_coat(eta: f32, fresnel: FresnelModel) -> Coat {
+    match fresnel {
+        FresnelModel::Exact => Coat::Dielectric {
+            eta: eta.max(1.0 / eta),
+        },
+        FresnelModel::Schlick | FresnelModel::SchlickIncident => Coat::Schlick {
+            f0: Vec3::splat(f0_from_eta(eta)),
+            f90: if eta == 1.0 { 0.0 } else { 1.0 },
+        },
     }
 }
 
-/// A conductor.
-pub(super) fn conductor(f0: Vec3, ggx: Option<Ggx>) -> Base {
-    match ggx {
-        Some(ggx) => Base::Metal(Metal { f0, ggx }),
-        None => Base::Specular(Specular {
-            color: f0,
-            grazing: Vec3::ONE,
-        }),
+impl Scattering {
+    /// The boundary of a dielectric solid.
+    pub(super) fn solid(self, color: Vec3, eta: f32, alpha: f32) -> Base {
+        let (fresnel, compensated) = (self.fresnel, self.compensated);
+        match Ggx::isotropic(alpha) {
+            Some(ggx) if is_rough_solid(eta, alpha) => Base::RoughGlass(RoughGlass {
+                color,
+                eta,
+                ggx,
+                fresnel,
+                compensated,
+            }),
+            _ => Base::Glass(Glass { color, eta, fresnel }),
+        }
     }
-}
 
-/// A coat over a diffuse base.
-pub(super) fn coated(base: Vec3, back: Vec3, coat: Coat, ggx: Option<Ggx>) -> Base {
-    match ggx {
-        Some(ggx) => Base::Glossy(Glossy { base, back, coat, ggx }),
-        None => Base::SmoothCoat(SmoothCoat { base, back, coat }),
+    /// A conductor.
+    pub(super) fn conductor(self, f0: Vec3, ggx: Option<Ggx>) -> Base {
+        let compensated = self.compensated;
+        match ggx {
+            Some(ggx) => Base::Metal(Metal { f0, ggx, compensated }),
+            None => Base::Specular(Specular {
+                color: f0,
+                grazing: Vec3::ONE,
+            }),
+        }
+    }
+
+    /// A coat over a diffuse base.
+    pub(super) fn coated(self, base: Vec3, back: Vec3, coat: Coat, ggx: Option<Ggx>) -> Base {
+        match ggx {
+            Some(ggx) => Base::Glossy(Glossy {
+                base,
+                back,
+                coat,
+                ggx,
+                compensated: self.compensated,
+            }),
+            None => Base::SmoothCoat(SmoothCoat { base, back, coat }),
+        }
     }
 }
 
@@ -63,25 +94,32 @@ impl Material {
         let anisotropy = p.anisotropy.unit(cx);
         let ggx = Ggx::anisotropic(alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha);
         let base = if chance(p.metallic.unit(cx), random) {
-            conductor(color, ggx)
+            self.scattering.conductor(color, ggx)
         } else {
             let f90 = p.specular.unit(cx);
             let f0 = p.specular_color.eval(cx.textures, cx.attrs).max(Vec3::ZERO) * f0_from_eta(p.ior / cx.outer_ior);
             let f0 = f0.min(Vec3::ONE) * f90;
             if chance(p.transmission.unit(cx), random) {
                 if p.thick {
-                    solid(color, self.relative_ior(cx), alpha)
+                    self.scattering.solid(color, self.relative_ior(cx), alpha)
                 } else {
                     match ggx {
                         None => Base::ThinGlass(ThinGlass { color, f0, f90 }),
-                        Some(ggx) => Base::RoughThinGlass(RoughThinGlass { color, f0, f90, ggx }),
+                        Some(ggx) => Base::RoughThinGlass(RoughThinGlass {
+                            color,
+                            f0,
+                            f90,
+                            ggx,
+                            compensated: self.scattering.compensated,
+                        }),
                     }
                 }
             } else {
                 let share = p.diffuse_transmission.unit(cx);
                 let back = p.diffuse_transmission_color.eval(cx.textures, cx.attrs);
                 let back = back.clamp(Vec3::ZERO, Vec3::ONE) * share;
-                coated(color * (1.0 - share), back, Coat::Schlick { f0, f90 }, ggx)
+                let coat = Coat::Schlick { f0, f90 };
+                self.scattering.coated(color * (1.0 - share), back, coat, ggx)
             }
         };
         let strength = p.clearcoat.unit(cx);
@@ -121,7 +159,7 @@ impl Material {
             other => (other, 1.0),
         };
         let passes = match base {
-            Bsdf::Glass(g) => g.color * (1.0 - fresnel_dielectric(cos, g.eta.max(1.0 / g.eta))),
+            Bsdf::Glass(g) => g.color * (1.0 - g.fresnel.reflectance(cos, g.eta.max(1.0 / g.eta))),
             Bsdf::ThinGlass(t) => t.color * (Vec3::ONE - t.reflectance(cos)),
             _ => Vec3::ZERO,
         };
@@ -131,7 +169,7 @@ impl Material {
 
 impl FinishInputs {
     /// POV-Ray's surface at a point, energy to be limited by [`Finish`] itself.
-    pub(super) fn lobes(&self, cx: &Shading<'_>) -> Finish {
+    pub(super) fn lobes(&self, fresnel: FresnelModel, cx: &Shading<'_>) -> Finish {
         let color = self.color.eval(cx.textures, cx.attrs).max(Vec3::ZERO);
         let opacity = (1.0 - self.filter - self.transmit).clamp(0.0, 1.0);
         // Phong's exponent counts the angle to the mirror direction, about twice that to the half vector.
@@ -162,6 +200,7 @@ impl FinishInputs {
             },
             passes: (color * self.filter + Vec3::splat(self.transmit)).max(Vec3::ZERO),
             eta: self.ior.map_or(1.0, |ior| ior / cx.outer_ior),
+            fresnel,
             conserve: self.conserve_energy,
         }
     }

@@ -9,6 +9,9 @@ use super::principled::{Base, Clearcoat};
 use super::sheen::Sheen;
 use super::*;
 use crate::math::stats::Pcg;
+use crate::render::technique::FresnelModel;
+
+const EXACT: FresnelModel = FresnelModel::Exact;
 
 fn ggx(alpha: f32) -> Ggx {
     Ggx::isotropic(alpha).unwrap_or(Ggx { ax: 1.0, ay: 1.0 })
@@ -16,6 +19,7 @@ fn ggx(alpha: f32) -> Ggx {
 
 fn finish() -> Finish {
     Finish {
+        fresnel: EXACT,
         diffuse: Vec3::new(0.5, 0.3, 0.1),
         diffuse_back: Vec3::splat(0.1),
         brilliance: 1.5,
@@ -39,10 +43,18 @@ fn coloured() -> Vec<(String, Bsdf)> {
             "specular".to_string(),
             Bsdf::Specular(Specular { color: c, grazing: c }),
         ),
-        ("glass".to_string(), Bsdf::Glass(Glass { color: c, eta: 1.5 })),
+        (
+            "glass".to_string(),
+            Bsdf::Glass(Glass {
+                color: c,
+                eta: 1.5,
+                fresnel: EXACT,
+            }),
+        ),
         (
             "bubble".to_string(),
             Bsdf::Glass(Glass {
+                fresnel: EXACT,
                 color: c,
                 eta: 1.0 / 1.33,
             }),
@@ -92,11 +104,19 @@ fn coloured() -> Vec<(String, Bsdf)> {
     };
     for alpha in [0.03, 0.1, 0.4, 1.0] {
         let g = ggx(alpha);
-        all.push((format!("metal {alpha}"), Bsdf::Metal(Metal { f0: c, ggx: g })));
+        all.push((
+            format!("metal {alpha}"),
+            Bsdf::Metal(Metal {
+                f0: c,
+                ggx: g,
+                compensated: true,
+            }),
+        ));
         let coat = Coat::Dielectric { eta: 1.5 };
         all.push((
             format!("glossy {alpha}"),
             Bsdf::Glossy(Glossy {
+                compensated: true,
                 base: c,
                 back: Vec3::ZERO,
                 coat,
@@ -104,6 +124,7 @@ fn coloured() -> Vec<(String, Bsdf)> {
             }),
         ));
         let thin = Glossy {
+            compensated: true,
             base: c * 0.6,
             back: c * 0.4,
             coat: schlick,
@@ -112,7 +133,13 @@ fn coloured() -> Vec<(String, Bsdf)> {
         for eta in [1.5, 1.0 / 1.33, 2.4] {
             all.push((
                 format!("rough glass {alpha} {eta}"),
-                Bsdf::RoughGlass(RoughGlass { color: c, eta, ggx: g }),
+                Bsdf::RoughGlass(RoughGlass {
+                    color: c,
+                    eta,
+                    ggx: g,
+                    fresnel: EXACT,
+                    compensated: true,
+                }),
             ));
         }
         if alpha != 0.1 && alpha != 1.0 {
@@ -120,6 +147,7 @@ fn coloured() -> Vec<(String, Bsdf)> {
         }
         all.push((format!("glossy sheet {alpha}"), Bsdf::Glossy(thin)));
         let sheet = RoughThinGlass {
+            compensated: true,
             color: c,
             f0: Vec3::splat(0.04),
             f90: 1.0,
@@ -130,6 +158,8 @@ fn coloured() -> Vec<(String, Bsdf)> {
         for base in [
             Base::Glossy(thin),
             Base::RoughGlass(RoughGlass {
+                fresnel: EXACT,
+                compensated: true,
                 color: c,
                 eta: 1.5,
                 ggx: ggx(0.2),
@@ -146,6 +176,7 @@ fn coloured() -> Vec<(String, Bsdf)> {
         }
     }
     let brushed = Metal {
+        compensated: true,
         f0: c,
         ggx: Ggx { ax: 0.6, ay: 0.1 },
     };
@@ -154,7 +185,11 @@ fn coloured() -> Vec<(String, Bsdf)> {
         strength: 1.0,
         ggx: None,
     };
-    let base = Base::Glass(Glass { color: c, eta: 1.5 });
+    let base = Base::Glass(Glass {
+        color: c,
+        eta: 1.5,
+        fresnel: EXACT,
+    });
     all.push((
         "coated glass".to_string(),
         Bsdf::Principled(Principled {

@@ -1,0 +1,2 @@
+use super::super::synthetic;
+use super::*;

@@ -1,0 +1,294 @@
+//! From a study to one command: the way to the asked error, or the best picture in the asked time.
+
+use super::experiment::{Goal, Row, Study};
+use super::fit::{Band, Law};
+use super::points::{median, usable};
+use super::words::{duration, percent, range, shell_word, significant};
+
+/// How much faster another variant must be expected to be before it is preferred to the scene as written.
+const WORTH_IT: f64 = 1.1;
+/// The same for a biased variant against the best unbiased one.
+const WORTH_BIAS: f64 = 1.5;
+/// A floor counts as well below the goal up to this share of it: then it adds 13 % to the error at most.
+const FLOOR_SHARE: f64 = 0.5;
+/// Samples per pixel beyond those measured up to which a law is believed, as a factor: ten times less error.
+const REACH: f64 = 100.0;
+/// Rows with this share of the longest rung's samples tell how a run's own bound relates to the true error.
+const LATE: f64 = 0.25;
+
+/// What to type, and what it is expected to give.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// Index into [`Study::variants`].
+    pub variant: usize,
+    /// The command line.
+    pub command: String,
+    /// Samples per pixel it is expected to take.
+    pub spp: u64,
+    /// Expected true error E: lower, middle, upper; 90 % lie between.
+    pub error: Band,
+    /// Expected seconds: lower, middle, upper.
+    pub seconds: Band,
+}
+
+/// The answer to the goal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recommendation {
+    /// `None` where the data cannot say.
+    pub choice: Option<Choice>,
+    /// In words, in Markdown: command, expected error and time, and why; or why there is no answer.
+    pub text: String,
+}
+
+impl Recommendation {
+    fn none(text: impl Into<String>) -> Self {
+        Self {
+            choice: None,
+            text: text.into(),
+        }
+    }
+}
+
+/// A variant that can meet the goal.
+#[derive(Clone, Debug)]
+struct Candidate {
+    variant: usize,
+    law: Law,
+    /// Samples per pixel, one or more.
+    n: f64,
+    /// To be minimised: seconds for an error goal, error for a time goal (as the seconds that a base line with
+    /// exponent ½ would need, so that both compare on one scale).
+    cost: f64,
+}
+
+/// The command for the goal of the study. Variants are compared by their fitted laws (see [`super::fit`]): the scene
+/// as written unless another variant is clearly faster; a biased one only if its floor is well below the goal and it is
+/// much faster than all unbiased ones.
+pub fn recommend(study: &Study) -> Recommendation {
+    let laws: Vec<(usize, Law)> = (0..study.variants.len())
+        .filter_map(|v| Some((v, Law::of(study, v)?)))
+        .collect();
+    if laws.is_empty() {
+        return Recommendation::none("Nothing was measured that a recommendation could rest on.");
+    }
+    match (study.goal, study.error_goal(), study.time_goal()) {
+        (_, Some(goal), _) => for_error(study, &laws, goal),
+        (_, _, Some(goal)) => for_seconds(study, &laws, goal),
+        _ => Recommendation::none("The goal is not a positive number."),
+    }
+}
+
+fn for_error(study: &Study, laws: &[(usize, Law)], goal: f64) -> Recommendation {
+    let candidates: Vec<Candidate> = laws
+        .iter()
+        .filter(|(v, law)| !study.is_biased(*v) || law.floor_bound <= FLOOR_SHARE * goal)
+        .filter_map(|(v, law)| {
+            // A run that stops on its own bound ends at a smaller true error than the goal.
+            let target = if study.is_biased(*v) {
+                goal
+            } else {
+                goal / caution(study, *v)
+            };
+            let n = law.samples_for_error(target)?.max(1.0).ceil();
+            Some(Candidate {
+                variant: *v,
+                law: law.clone(),
+                n,
+                cost: law.seconds(n)[1],
+            })
+        })
+        .collect();
+    let Some(pick) = pick(study, &candidates) else {
+        return Recommendation::none(format!("No variant leads to an error of {}.", percent(goal)));
+    };
+    if pick.best.n > REACH * pick.best.law.measured[1] {
+        let least = pick.best.law.error(pick.best.law.measured[1])[1];
+        return Recommendation::none(format!(
+            "The data cannot say how to reach an error of {}: the longest run had {} samples per pixel and an error of \
+             {}; the goal would take about {} times as many. Give the study a larger budget or a larger goal.",
+            percent(goal),
+            pick.best.law.measured[1],
+            percent(least),
+            significant(pick.best.n / pick.best.law.measured[1], 2),
+        ));
+    }
+    finish(study, &pick)
+}
+
+fn for_seconds(study: &Study, laws: &[(usize, Law)], goal: f64) -> Recommendation {
+    let candidates: Vec<Candidate> = laws
+        .iter()
+        .filter_map(|(v, law)| {
+            let n = law.samples_for_seconds(goal).filter(|n| *n >= 1.0)?.floor();
+            let error = law.error(n)[1];
+            let sound = !study.is_biased(*v) || law.floor_bound <= FLOOR_SHARE * error;
+            sound.then(|| Candidate {
+                variant: *v,
+                law: law.clone(),
+                n,
+                cost: error * error,
+            })
+        })
+        .collect();
+    let Some(pick) = pick(study, &candidates) else {
+        return Recommendation::none(format!(
+            "{} are too short: reading the scene and one sample for each pixel take longer.",
+            duration(goal)
+        ));
+    };
+    if pick.best.n > REACH * pick.best.law.measured[1] {
+        return Recommendation::none(format!(
+            "The data cannot say what {} give: the longest run took {}. Give the study a larger budget.",
+            duration(goal),
+            duration(pick.best.law.seconds(pick.best.law.measured[1])[1]),
+        ));
+    }
+    finish(study, &pick)
+}
+
+/// A candidate, and what it gains over the base line and, if biased, over the best unbiased one.
+struct Pick<'a> {
+    best: &'a Candidate,
+    over_base: Option<f64>,
+    over_unbiased: Option<f64>,
+}
+
+fn pick<'a>(study: &Study, candidates: &'a [Candidate]) -> Option<Pick<'a>> {
+    let least = |biased: bool| {
+        let own = candidates.iter().filter(move |c| study.is_biased(c.variant) == biased);
+        own.filter(|c| c.cost.is_finite())
+            .min_by(|a, b| a.cost.total_cmp(&b.cost))
+    };
+    let base = candidates.iter().find(|c| c.variant == 0);
+    let unbiased = match (base, least(false)) {
+        (Some(base), Some(other)) if base.cost < WORTH_IT * other.cost => Some(base),
+        (_, other) => other,
+    };
+    let best = match (unbiased, least(true)) {
+        (Some(sound), Some(biased)) if sound.cost < WORTH_BIAS * biased.cost => sound,
+        (_, Some(biased)) => biased,
+        (sound, None) => sound?,
+    };
+    let gain = |over: Option<&Candidate>| over.filter(|o| o.variant != best.variant).map(|o| o.cost / best.cost);
+    Some(Pick {
+        best,
+        over_base: gain(base),
+        over_unbiased: gain(unbiased).filter(|_| study.is_biased(best.variant)),
+    })
+}
+
+/// Median of a run's own bound over its true error, late in the ladder; of all unbiased variants if this one says
+/// nothing, and 1 if none does.
+fn caution(study: &Study, variant: usize) -> f64 {
+    let ratio = |of: &dyn Fn(usize) -> bool| {
+        let rows: Vec<&Row> = usable(study).filter(|row| of(row.variant) && row.e2 > 0.0).collect();
+        let last = rows.iter().map(|row| row.spp).max().unwrap_or(0);
+        let late = rows.iter().filter(|row| f64::from(row.spp) >= LATE * f64::from(last));
+        let bounds = late.filter_map(|row| row.estimate.map(|[_, bound]| bound / row.error()));
+        let middle = median(bounds.filter(|b| b.is_finite()).collect());
+        (middle.is_finite() && middle > 0.0).then_some(middle)
+    };
+    ratio(&|v| v == variant)
+        .or_else(|| ratio(&|v| !study.is_biased(v)))
+        .unwrap_or(1.0)
+}
+
+fn finish(study: &Study, pick: &Pick) -> Recommendation {
+    let Candidate { variant, law, n, .. } = pick.best;
+    let biased = study.is_biased(*variant);
+    let [width, height] = study.size;
+    let flags = study.variants.get(*variant).map_or("", |v| v.flags.trim());
+    let mut command = format!("pts render {} -r {width}x{height}", shell_word(&study.scene));
+    if !flags.is_empty() {
+        command += &format!(" {flags}");
+    }
+    let by_time = study.time_goal().filter(|_| study.error_goal().is_none());
+    // A run's own error estimate does not see bias, so that the sample count has to say when to stop.
+    command += &match (by_time, study.goal) {
+        (Some(seconds), _) => format!(" --time {}s", significant(seconds, 4)),
+        (None, Goal::Error(e)) if !biased => format!(" --error {}%", significant(100.0 * e, 4)),
+        _ => format!(" --spp {n}"),
+    };
+    let error = law.error(*n);
+    let mut seconds = law.seconds(*n);
+    if by_time.is_none() && !biased {
+        // How many samples the run takes until its bound is below the goal varies as its error does, squared.
+        let [low, middle, high] = error;
+        seconds = [
+            law.seconds(n * (low / middle).powi(2))[0],
+            seconds[1],
+            law.seconds(n * (high / middle).powi(2))[2],
+        ];
+    }
+    if let Some(goal) = by_time {
+        seconds = [goal; 3];
+    }
+    let choice = Choice {
+        variant: *variant,
+        command,
+        spp: *n as u64,
+        error,
+        seconds,
+    };
+    Recommendation {
+        text: text(study, pick, &choice),
+        choice: Some(choice),
+    }
+}
+
+fn text(study: &Study, pick: &Pick, choice: &Choice) -> String {
+    let law = &pick.best.law;
+    let threads = if study.threads == 1 {
+        "1 thread"
+    } else {
+        &format!("{} threads", study.threads)
+    };
+    let [low, middle, high] = choice.error;
+    let mut sentences = vec![format!(
+        "Expected on {threads} of this processor: an error of about {} ({}) in about {}{}, {} samples per pixel.",
+        percent2(middle),
+        range(low, high, percent2),
+        duration2(choice.seconds[1]),
+        match range(choice.seconds[0], choice.seconds[2], duration2) {
+            same if same == duration2(choice.seconds[1]) => String::new(),
+            range => format!(" ({range})"),
+        },
+        choice.spp,
+    )];
+    let label = study.label(choice.variant);
+    match (pick.over_unbiased, pick.over_base) {
+        (Some(gain), _) => sentences.push(format!(
+            "`{label}` changes the expected picture, by less than {} here, and is {} times faster than the best variant \
+             that does not.",
+            percent2(law.floor_bound),
+            significant(gain, 2)
+        )),
+        (None, Some(gain)) => sentences.push(format!(
+            "`{label}` is {} times faster than the scene as written, for the same error.",
+            significant(gain, 2)
+        )),
+        (None, None) if choice.variant == 0 && study.variants.len() > 1 => {
+            sentences.push("No other variant is clearly better than the scene as written.".to_owned());
+        }
+        _ => {}
+    }
+    let n = choice.spp as f64;
+    if n > 4.0 * law.measured[1] {
+        sentences.push(format!(
+            "This lies beyond what was measured: {} times the samples of the longest run.",
+            significant(n / law.measured[1], 2)
+        ));
+    }
+    format!("    {}\n\n{}", choice.command, sentences.join(" "))
+}
+
+fn percent2(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 2))
+}
+
+fn duration2(seconds: f64) -> String {
+    duration(seconds)
+}
+
+#[cfg(test)]
+mod tests;
