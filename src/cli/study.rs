@@ -228,13 +228,9 @@ fn scene_flags(args: &StudyArgs) -> String {
         .filter
         .and_then(|f| f.to_possible_value())
         .map(|f| f.get_name().to_owned());
-    let numbers = [
-        ("--nets", args.nets.map(u64::from)),
-        ("--threads", args.threads.map(u64::from)),
-    ];
-    words.extend(filter.into_iter().flat_map(|f| ["--filter".to_owned(), f]));
-    for (name, value) in numbers {
-        words.extend(value.into_iter().flat_map(|v| [name.to_owned(), v.to_string()]));
+    let nets = args.nets.map(|n| n.to_string());
+    for (name, value) in [("--filter", filter), ("--nets", nets)] {
+        words.extend(value.into_iter().flat_map(|v| [name.to_owned(), v]));
     }
     words
         .iter()

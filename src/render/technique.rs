@@ -163,7 +163,7 @@ pub struct Technique {
     pub adaptive: bool,
     /// How the tree of boxes is built.
     pub build: BuildPreset,
-    /// Most bounces: 0 shows only what shines itself, 1 what that lights as well; `u32::MAX` for no limit.
+    /// Most bounces of a path: 0 shows only what shines itself, 1 adds direct light; `u32::MAX` for no limit.
     pub max_depth: u32,
     /// Which share of light a dielectric reflects.
     pub fresnel: FresnelModel,

@@ -37,8 +37,8 @@ pub struct Value {
     pub threads: Option<usize>,
 }
 
-/// Depths that are tried.
-const DEPTHS: [u32; 5] = [0, 1, 2, 4, 8];
+/// Depths that are tried: 1 is direct light alone.
+const DEPTHS: [u32; 4] = [1, 2, 4, 8];
 
 /// Largest contributions of a sample that are tried, in the unit of radiance: what other programs propose.
 const CLAMPS: [f32; 2] = [10.0, 1.0];
@@ -256,8 +256,8 @@ mod tests {
         let axes = all(&base, 1, &everything());
         let depths = axes.iter().find(|a| a.name == "max-depth").unwrap();
         let names: Vec<&str> = depths.values.iter().map(|c| c.name.as_str()).collect();
-        assert_eq!(names, ["0", "1", "2"]);
-        assert_eq!(depths.values[0].variant(depths, &base).flags, "--max-depth 0");
+        assert_eq!(names, ["1", "2"]);
+        assert_eq!(depths.values[0].variant(depths, &base).flags, "--max-depth 1");
         assert_eq!(axes[0].values[0].variant(&axes[0], &base).flags, "--direct light");
     }
 

@@ -36,8 +36,8 @@ pub struct Effect {
 const EFFECTS: [Effect; 10] = [
     Effect {
         name: "indirect light",
-        is_used: |_, technique| technique.max_depth > 0,
-        leave_out: |cut| cut.technique.max_depth = 0,
+        is_used: |_, technique| technique.max_depth > 1,
+        leave_out: |cut| cut.technique.max_depth = 1,
     },
     Effect {
         name: "caustics",

@@ -127,6 +127,8 @@ pub struct Study {
     pub scene: String,
     /// Columns and rows.
     pub size: [u32; 2],
+    /// Columns and rows of the picture that the user wants in the end, which the study may have made smaller.
+    pub full_size: [u32; 2],
     /// The command line that makes it again.
     pub command: String,
     /// The command line's words that say how the scene is read and seen (camera, light, definitions, filter, seed);
@@ -152,6 +154,15 @@ pub struct Study {
     pub ablations: Vec<Ablation>,
     /// What was left out, and why.
     pub notes: Vec<String>,
+}
+
+impl Study {
+    /// Pixels of the picture that the user wants in the end, over those of the study's: at equal samples per pixel,
+    /// the factor in time.
+    pub fn enlargement(&self) -> f64 {
+        let pixels = |[w, h]: [u32; 2]| f64::from(w) * f64::from(h);
+        pixels(self.full_size) / pixels(self.size)
+    }
 }
 
 /// What the user wants to reach.

@@ -3,7 +3,7 @@
 use super::experiment::{Goal, Row, Study};
 use super::fit::{Band, Law};
 use super::points::{median, usable};
-use super::words::{duration, percent, range, shell_word, significant};
+use super::words::{duration, percent, range, rough_duration, rough_percent, shell_word, significant};
 
 /// How much faster another variant must be expected to be before it is preferred to the scene as written.
 const WORTH_IT: f64 = 1.1;
@@ -63,10 +63,15 @@ struct Candidate {
 
 /// The command for the goal of the study. Variants are compared by their fitted laws (see [`super::fit`]): the scene
 /// as written unless another variant is clearly faster; a biased one only if its floor is well below the goal and it is
-/// much faster than all unbiased ones.
+/// much faster than all unbiased ones. The command makes the picture at its full size: of the same samples per pixel it
+/// has about the error that the study's smaller one has, and its time grows with the pixels.
 pub fn recommend(study: &Study) -> Recommendation {
     let laws: Vec<(usize, Law)> = (0..study.variants.len())
-        .filter_map(|v| Some((v, Law::of(study, v)?)))
+        .filter_map(|v| {
+            let mut law = Law::of(study, v)?;
+            law.per_sample = law.per_sample.map(|seconds| seconds * study.enlargement());
+            Some((v, law))
+        })
         .collect();
     if laws.is_empty() {
         return Recommendation::none("Nothing was measured that a recommendation could rest on.");
@@ -98,6 +103,7 @@ fn for_error(study: &Study, laws: &[(usize, Law)], goal: f64) -> Recommendation 
             })
         })
         .collect();
+    let candidates = within_reach(candidates);
     let Some(pick) = pick(study, &candidates) else {
         return Recommendation::none(format!("No variant leads to an error of {}.", percent(goal)));
     };
@@ -144,6 +150,15 @@ fn for_seconds(study: &Study, laws: &[(usize, Law)], goal: f64) -> Recommendatio
         ));
     }
     finish(study, &pick)
+}
+
+/// The candidates whose laws reach as far as the goal; all if there are none, so that the nearest can be told.
+fn within_reach(candidates: Vec<Candidate>) -> Vec<Candidate> {
+    let reaches = |c: &Candidate| c.n <= REACH * c.law.measured[1];
+    if !candidates.iter().any(reaches) {
+        return candidates;
+    }
+    candidates.into_iter().filter(reaches).collect()
 }
 
 /// A candidate, and what it gains over the base line and, if biased, over the best unbiased one.
@@ -196,9 +211,11 @@ fn caution(study: &Study, variant: usize) -> f64 {
 fn finish(study: &Study, pick: &Pick) -> Recommendation {
     let Candidate { variant, law, n, .. } = pick.best;
     let biased = study.is_biased(*variant);
-    let [width, height] = study.size;
     let flags = study.variants.get(*variant).map_or("", |v| v.flags.trim());
-    let mut command = format!("pts render {} -r {width}x{height}", shell_word(&study.scene));
+    let mut command = format!("pts render {}", shell_word(&study.scene));
+    if study.full_size == study.size {
+        command += &format!(" -r {}x{}", study.size[0], study.size[1]);
+    }
     for flags in [study.scene_flags.trim(), flags].into_iter().filter(|f| !f.is_empty()) {
         command += &format!(" {flags}");
     }
@@ -243,14 +260,18 @@ fn text(study: &Study, pick: &Pick, choice: &Choice) -> String {
     } else {
         &format!("{} threads", study.threads)
     };
+    let picture = match study.full_size {
+        size if size == study.size => String::new(),
+        [width, height] => format!(" for {width} × {height} pixels"),
+    };
     let [low, middle, high] = choice.error;
     let mut sentences = vec![format!(
-        "Expected on {threads} of this processor: an error of about {} ({}) in about {}{}, {} samples per pixel.",
-        percent2(middle),
-        range(low, high, percent2),
-        duration2(choice.seconds[1]),
-        match range(choice.seconds[0], choice.seconds[2], duration2) {
-            same if same == duration2(choice.seconds[1]) => String::new(),
+        "Expected{picture} on {threads} of this processor: an error of about {} ({}) in about {}{}, {} samples per pixel.",
+        rough_percent(middle),
+        range(low, high, rough_percent),
+        rough_duration(choice.seconds[1]),
+        match range(choice.seconds[0], choice.seconds[2], rough_duration) {
+            same if same == rough_duration(choice.seconds[1]) => String::new(),
             range => format!(" ({range})"),
         },
         choice.spp,
@@ -260,7 +281,7 @@ fn text(study: &Study, pick: &Pick, choice: &Choice) -> String {
         (Some(gain), _) => sentences.push(format!(
             "`{label}` changes the expected picture, by less than {} here, and is {} times faster than the best variant \
              that does not.",
-            percent2(law.floor_bound),
+            rough_percent(law.floor_bound),
             significant(gain, 2)
         )),
         (None, Some(gain)) => sentences.push(format!(
@@ -280,14 +301,6 @@ fn text(study: &Study, pick: &Pick, choice: &Choice) -> String {
         ));
     }
     format!("    {}\n\n{}", choice.command, sentences.join(" "))
-}
-
-fn percent2(share: f64) -> String {
-    format!("{} %", significant(100.0 * share, 2))
-}
-
-fn duration2(seconds: f64) -> String {
-    duration(seconds)
 }
 
 #[cfg(test)]

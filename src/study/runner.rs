@@ -1,17 +1,17 @@
 //! Runs a study: measures what a sample costs, makes the reference, climbs the ladders, weighs the effects; all
 //! within one budget of seconds.
 
+mod reference;
 mod rows;
 mod variants;
 
 use super::ablation::Weighing;
 use super::axes;
 use super::effects;
-use super::experiment::{Goal, Reference, Row, Study};
+use super::experiment::{Goal, Study};
 use super::ladder;
 use super::uses::Uses;
 use super::workshop::{Clock, Order, Stopped, Watch, Workshop};
-use super::yardstick::Yardstick;
 use super::{CompareError, Image};
 use crate::diag::Diagnostics;
 use crate::files::Files;
@@ -35,12 +35,6 @@ const PILOT_SHARE: f64 = 0.01;
 
 /// Seconds that writing takes at least, as far as a twentieth of the budget allows it.
 const WRITING_SECONDS: f64 = 1.0;
-
-/// Nets of the reference at least: its noise must be known.
-const REFERENCE_NETS: u32 = 4;
-
-/// The reference's seed beyond the base line's; rows use the next ones after that, far fewer than these.
-const REFERENCE_SEED: u64 = 1_000_000;
 
 /// Which axes are varied.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +104,7 @@ pub enum Failure {
     Reference(#[from] CompareError),
     /// Not even the base line's first point fits into the budget.
     #[error(
-        "the budget of {budget:.3} s is too short: {seeds} pictures of {spp} samples per pixel at {width}x{height} do \
+        "the budget of {budget} s is too short: {seeds} pictures of {spp} samples per pixel at {width}x{height} do \
          not fit into what is left of it after {spent:.1} s of reading, compiling and trying"
     )]
     Budget {
@@ -196,7 +190,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
         return Err(too_short());
     }
     let seconds = shares.reference.min(0.5 * room);
-    let (yardstick, reference) = reference(&request, &mut workshop, watch, seconds, &mut notes)?;
+    let (yardstick, reference) = reference::find(&request, &mut workshop, watch, seconds, &mut notes)?;
 
     let mut rows = Rows::new(&request, &yardstick, &treatments, per_sample, shares.rows_end);
     let mut interrupted = rows.climb(&mut workshop, watch)?;
@@ -208,7 +202,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
     }
     let (variants, rows, row_notes) = rows.finish(interrupted);
     notes.extend(row_notes);
-    notes.extend(reference_note(&reference, &rows));
+    notes.extend(reference::note(&reference, &rows));
 
     let mut ablations = Vec::new();
     if !effects.is_empty() && !interrupted {
@@ -231,6 +225,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
         study: Study {
             scene: request.name,
             size: [settings.width, settings.height],
+            full_size: [request.settings.width, request.settings.height],
             command: request.command,
             scene_flags: request.scene_flags,
             version: request.version,
@@ -291,10 +286,13 @@ fn first_step(request: &Request) -> u32 {
     given.unwrap_or(ladder::FIRST)
 }
 
+/// Rows have the seeds after this one beyond the base line's: far from those that people give to references.
+const ROW_SEEDS: u64 = 1000;
+
 /// The seeds of rows and of effects.
 fn seeds(request: &Request) -> Vec<u64> {
     (1..=u64::from(request.seeds))
-        .map(|i| request.settings.seed.wrapping_add(i))
+        .map(|i| request.settings.seed.wrapping_add(ROW_SEEDS + i))
         .collect()
 }
 
@@ -323,93 +321,4 @@ fn smallest_cost(settings: &Settings, per_sample: f64) -> f64 {
     let size = [settings.width, settings.height];
     let [w, h] = ladder::picture_size(size, WIDEST, 1.0, 1.0, 0.0);
     per_sample * f64::from(w) * f64::from(h) / (f64::from(size[0]) * f64::from(size[1]))
-}
-
-/// The reference that is given, or a new one.
-fn reference(
-    request: &Request,
-    workshop: &mut Workshop,
-    watch: &dyn Watch,
-    seconds: f64,
-    notes: &mut Vec<String>,
-) -> Result<(Yardstick, Reference), Failure> {
-    let settings = workshop.base().clone();
-    if let Some((name, image)) = &request.reference {
-        let size = [settings.width, settings.height];
-        if [image.width, image.height] != size {
-            let a = [image.width, image.height];
-            return Err(CompareError::Size { a, b: size }.into());
-        }
-        let (is_developed, samples) = (image.is_developed, image.samples.as_ref());
-        let mean = samples.map(|s| s.iter().map(|n| u64::from(*n)).sum::<u64>() / s.len().max(1) as u64);
-        let yardstick = Yardstick::new(image.clone())?;
-        if is_developed {
-            notes.push(format!(
-                "the reference {name} is cut at white and rounded, which counts as error of every row"
-            ));
-        }
-        if yardstick.error().is_none() {
-            notes.push(format!(
-                "the reference {name} has no standard errors: its own noise is not subtracted and counts as error of \
-                 every row"
-            ));
-        }
-        let error = yardstick.error();
-        let told = Reference {
-            source: name.clone(),
-            spp: mean,
-            error,
-            seconds: None,
-        };
-        return Ok((yardstick, told));
-    }
-    let honest = Settings {
-        nets: settings.nets.max(REFERENCE_NETS),
-        ..settings.clone()
-    };
-    let order = Order {
-        technique: request.settings.technique,
-        threads: None,
-        seed: request.settings.seed.wrapping_add(REFERENCE_SEED),
-        spp: u32::MAX,
-        seconds: Some(seconds),
-        stage: "reference",
-        what: "rendering the reference",
-    };
-    let shot = if honest.nets == settings.nets {
-        workshop.shoot(&order)?
-    } else {
-        self::workshop(request, &honest, watch).shoot(&order)?
-    };
-    let spp = shot.report.spp;
-    let yardstick = Yardstick::new(shot.image)?;
-    if yardstick.error().is_none() {
-        notes.push(format!(
-            "the reference has only {spp} samples per pixel: too few to know its noise (give more time)"
-        ));
-    }
-    let told = Reference {
-        source: format!("rendered as written, seed {}", order.seed),
-        spp: Some(u64::from(spp)),
-        error: yardstick.error(),
-        seconds: Some(shot.seconds),
-    };
-    Ok((yardstick, told))
-}
-
-/// Says where the reference is too noisy for the best pictures.
-fn reference_note(reference: &Reference, rows: &[Row]) -> Option<String> {
-    let most = rows.iter().filter(|r| r.variant == 0).map(|r| r.spp).max()?;
-    let best: Vec<f64> = rows
-        .iter()
-        .filter(|r| r.variant == 0 && r.spp == most)
-        .map(|r| r.e2)
-        .collect();
-    let e2 = best.iter().sum::<f64>() / best.len() as f64;
-    let own = reference.error.filter(|own| own * own > e2)?;
-    Some(format!(
-        "the reference's own error ({:.2} %) is larger than that of the best pictures: theirs are known poorly (a larger \
-         --budget, or a better --reference, helps)",
-        100.0 * own
-    ))
 }

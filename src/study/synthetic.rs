@@ -117,6 +117,7 @@ pub fn with(entries: Vec<Entry>) -> Study {
     Study {
         scene: "cornell.pts".to_owned(),
         size: [640, 480],
+        full_size: [640, 480],
         command: "pts study cornell.pts --budget 10m --error 2%".to_owned(),
 
         scene_flags: String::new(),

@@ -4,7 +4,7 @@ use super::experiment::{Ablation, Goal, Kind, Row, Study, Variant};
 use super::fit::Law;
 use super::points::{pareto, points};
 use super::recommend::recommend;
-use super::words::{duration, percent, range, significant};
+use super::words::{duration, percent, range, rough_percent, significant};
 use serde_json::{Value, json};
 
 /// Version of the layout of [`json`]: raised when a field changes its meaning or goes.
@@ -142,6 +142,8 @@ pub fn json(study: &Study) -> Value {
         "scene": study.scene,
         "width": study.size[0],
         "height": study.size[1],
+        "full_width": study.full_size[0],
+        "full_height": study.full_size[1],
         "command": study.command,
         "version": study.version,
         "processor": study.processor,
@@ -213,9 +215,8 @@ pub fn markdown(study: &Study) -> String {
 
 /// `caustics: 41 % of time, 2.3 % of energy, FLIP 0.020`.
 pub fn effect(ablation: &Ablation) -> String {
-    let share = |x: f64| format!("{} %", significant(100.0 * x, 2));
     let time = match ablation.time.abs() > 2.0 * ablation.time_se {
-        true => format!("{} of time", share(ablation.time)),
+        true => format!("{} of time", rough_percent(ablation.time)),
         false => "no measurable time".to_owned(),
     };
     let name = inline(&ablation.effect);
@@ -223,7 +224,7 @@ pub fn effect(ablation: &Ablation) -> String {
         return format!("{name}: {time}, picture not distinguishable from noise");
     }
     let energy = match ablation.energy.abs() > 2.0 * ablation.energy_se {
-        true => format!("{} of energy", share(ablation.energy)),
+        true => format!("{} of energy", rough_percent(ablation.energy)),
         false => "no measurable energy".to_owned(),
     };
     format!("{name}: {time}, {energy}, FLIP {:.3}", ablation.flip)
@@ -274,7 +275,11 @@ fn point_table(study: &Study) -> String {
     let floors: Vec<String> = (0..study.variants.len())
         .filter_map(|v| {
             let floor = Law::of(study, v)?.floor?;
-            Some(format!("- {}: E tends to {}", inline(&study.label(v)), percent(floor)))
+            Some(format!(
+                "- {}: E tends to {}",
+                inline(&study.label(v)),
+                rough_percent(floor)
+            ))
         })
         .collect();
     if !floors.is_empty() {

@@ -29,8 +29,25 @@ pub(crate) fn percent(fraction: f64) -> String {
     }
 }
 
-/// `85 µs`, `120 ms`, `1.5 s`, `2.5 min`, `3.2 h`: two digits below a minute's tenth, three above.
+/// `2.3 %`: two digits, for what is only roughly known.
+pub(crate) fn rough_percent(fraction: f64) -> String {
+    match fraction.is_finite() {
+        true => format!("{} %", significant(100.0 * fraction, 2)),
+        false => "unknown".to_owned(),
+    }
+}
+
+/// The same as [`duration`] with two digits.
+pub(crate) fn rough_duration(seconds: f64) -> String {
+    with_digits(seconds, 2)
+}
+
+/// `85 µs`, `120 ms`, `1.5 s`, `2.5 min`, `3.2 h`: three digits.
 pub(crate) fn duration(seconds: f64) -> String {
+    with_digits(seconds, 3)
+}
+
+fn with_digits(seconds: f64, digits: i32) -> String {
     if !seconds.is_finite() {
         return "unknown".to_owned();
     }
@@ -41,7 +58,7 @@ pub(crate) fn duration(seconds: f64) -> String {
         s if s < 5997.0 => (60.0, "min"),
         _ => (3600.0, "h"),
     };
-    format!("{} {unit}", significant(seconds / size, 3))
+    format!("{} {unit}", significant(seconds / size, digits))
 }
 
 /// `1.3–1.9 %`, `120–140 s`: two values in the unit of the greater; one if both read the same.
@@ -99,6 +116,8 @@ mod tests {
         ] {
             assert_eq!(duration(seconds), text);
         }
+        assert_eq!(rough_duration(13.47), "13 s");
+        assert_eq!(rough_percent(0.0234), "2.3 %");
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub struct SamplingArgs {
     /// Seed of all random choices: the same seed gives the same picture, bit by bit [default: the scene's, else 0].
     #[arg(long, value_name = "N", help_heading = SAMPLING)]
     pub seed: Option<u64>,
-    /// Most bounces of a path; 0 shows only what shines itself, 1 what it lights as well [default: the scene's, else unlimited].
+    /// Most bounces of a path: 0 shows only what shines itself, 1 adds direct light [default: the scene's, else unlimited].
     #[arg(long, value_name = "N", help_heading = SAMPLING)]
     pub max_depth: Option<u32>,
     /// Pixel filter [default: the scene's, else blackman-harris].

@@ -76,7 +76,8 @@ pub struct StudyArgs {
     /// Independently scrambled sample nets [default: 4].
     #[arg(long, value_name = "N", value_parser = super::sampling::nets, help_heading = PICTURES)]
     pub nets: Option<u32>,
-    /// The seeds of rows are this and the next ones, plus 1 [default: the scene's, else 0].
+    /// All seeds are counted from this one: rows have the seeds after N + 1000, the reference N + 1000000
+    /// [default: the scene's, else 0].
     #[arg(long, value_name = "N", help_heading = PICTURES)]
     pub seed: Option<u64>,
     /// Threads [default: one for each core].

@@ -3,7 +3,7 @@
 use super::super::experiment::{Goal, Study};
 use super::super::fit::Law;
 use super::super::points::{pareto, points};
-use super::super::words::{duration, percent, significant};
+use super::super::words::{duration, percent, rough_percent, significant};
 use super::font;
 use super::panel::{Chart, Panel, Role};
 use super::scale::{Domain, Measure, Scale};
@@ -193,7 +193,7 @@ fn description(chart: &Chart) -> String {
         let Some(first) = own.next() else { continue };
         let last = own.next_back().unwrap_or(first);
         let floor = chart.laws[variant].as_ref().and_then(|law| law.floor);
-        let floor = floor.map_or(String::new(), |f| format!(", floor {}", percent(f)));
+        let floor = floor.map_or(String::new(), |f| format!(", floor {}", rough_percent(f)));
         sentences.push(format!(
             "{}: from {} after {} to {} after {}{floor}.",
             study.label(variant),

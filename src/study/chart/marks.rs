@@ -2,7 +2,7 @@
 
 use super::super::experiment::Point;
 use super::super::points::best_error;
-use super::super::words::{duration, percent};
+use super::super::words::{duration, percent, rough_percent};
 use super::labels::{Labels, around};
 use super::layout::SIZE;
 use super::panel::{Chart, Panel, Role};
@@ -10,6 +10,8 @@ use super::scale::Scale;
 use super::shapes::{Anchor, At, Room, Shape, Stroke, Text};
 use super::style::{self, Style};
 
+/// Width of the Pareto front's line.
+pub const FRONT_WIDTH: f64 = 8.0;
 /// Pieces of the Pareto front's line.
 const FRONT_STEPS: usize = 200;
 /// A point of the Pareto front wears a ring.
@@ -18,6 +20,12 @@ const RING: f64 = 3.2;
 /// The guide's line.
 pub fn guide_stroke() -> Stroke {
     Stroke::dashed(style::GUIDE, 1.3, &[1.5, 3.5])
+}
+
+/// A point on the front.
+pub fn ring(at: At, biased: bool) -> Shape {
+    let fill = Some(if biased { [255; 3] } else { style::BLACK });
+    Shape::Disc(at, RING, fill, Some(Stroke::solid(style::BLACK, 1.4)))
 }
 
 /// A point that is not named.
@@ -55,7 +63,7 @@ impl Ink<'_> {
         times.sort_by(f64::total_cmp);
         let best = |t: f64| [self.x.at(t), self.y.at(best_error(self.chart.points, t))];
         let line: Vec<At> = times.into_iter().map(best).collect();
-        let line = Shape::Line(line, Stroke::solid(style::FRONT, 8.0));
+        let line = Shape::Line(line, Stroke::solid(style::FRONT, FRONT_WIDTH));
         self.shapes.push(Shape::Group("Pareto front".to_owned(), vec![line]));
     }
 
@@ -221,7 +229,7 @@ impl Ink<'_> {
             .fold(self.plot.max[0], f64::min);
         let ends = [[start, self.y.at(floor)], [self.plot.max[0], self.y.at(floor)]];
         self.labels.cross(&ends);
-        let text = Text::new(format!("floor {}", percent(floor)), [0.0; 2], SIZE);
+        let text = Text::new(format!("floor {}", rough_percent(floor)), [0.0; 2], SIZE);
         let [right, at] = ends[1];
         let places = [
             ([right - 4.0, at + 0.98 * SIZE], Anchor::End),
@@ -288,9 +296,7 @@ impl Ink<'_> {
     pub fn front_rings(&mut self) {
         for (at, variant) in self.on_front() {
             let biased = self.chart.study.is_biased(variant);
-            let fill = Some(if biased { [255; 3] } else { style::BLACK });
-            let edge = Some(Stroke::solid(style::BLACK, 1.4));
-            self.shapes.push(Shape::Disc(at, RING, fill, edge));
+            self.shapes.push(ring(at, biased));
             self.labels.take(Room::around(at, RING + 1.0));
         }
     }

@@ -3,7 +3,7 @@
 use super::super::experiment::{Point, Study};
 use super::super::fit::Law;
 use super::labels::Labels;
-use super::marks::{Ink, dot, guide_stroke};
+use super::marks::{FRONT_WIDTH, Ink, dot, guide_stroke, ring};
 use super::scale::{Domain, Measure, Scale};
 use super::shapes::{Anchor, At, Room, Shape, Stroke, Text};
 use super::style::{self, Style};
@@ -30,6 +30,17 @@ pub enum Role {
     Overview,
     /// One axis, with the base line behind.
     Axis,
+}
+
+/// An entry with a piece of line.
+fn line(words: &str, stroke: Stroke) -> Entry {
+    Entry {
+        words: words.to_owned(),
+        draw: Box::new(move |room: Room| {
+            let ([left, _], [right, _], [_, y]) = (room.min, room.max, room.middle());
+            vec![Shape::segment([left, y], [right, y], stroke.clone())]
+        }),
+    }
 }
 
 /// A panel to draw.
@@ -68,17 +79,6 @@ impl Panel<'_> {
     }
 
     fn entries(&self, chart: &Chart) -> Vec<Entry> {
-        let line = |words: &str, stroke: Stroke| Entry {
-            words: words.to_owned(),
-            draw: Box::new(move |room: Room| {
-                let middle = 0.5 * (room.min[1] + room.max[1]);
-                vec![Shape::segment(
-                    [room.min[0], middle],
-                    [room.max[0], middle],
-                    stroke.clone(),
-                )]
-            }),
-        };
         let named = |variant: usize, words: String| {
             let style = self.style(chart, variant);
             Entry {
@@ -94,24 +94,24 @@ impl Panel<'_> {
             Some(named(*v, name))
         });
         let guide = || line("1/√time", guide_stroke());
-        let front = || line("Pareto front", Stroke::solid(style::FRONT, 7.0));
+        let front = || line("Pareto front", Stroke::solid(style::FRONT, FRONT_WIDTH));
         let base = || named(0, chart.study.label(0));
         match self.role {
-            Role::Whole => std::iter::once(base())
-                .chain(variants)
-                .chain([front(), guide()])
-                .collect(),
+            Role::Whole => {
+                let front = (!self.variants.is_empty()).then(front);
+                let lines = std::iter::once(base()).chain(variants);
+                lines.chain(front).chain([guide()]).collect()
+            }
             Role::Overview => {
                 let dots = Entry {
                     words: "other variants".to_owned(),
-                    draw: Box::new(|room| {
-                        vec![dot([
-                            0.5 * (room.min[0] + room.max[0]),
-                            0.5 * (room.min[1] + room.max[1]),
-                        ])]
-                    }),
+                    draw: Box::new(|room| vec![dot(room.middle())]),
                 };
-                vec![base(), dots, front(), guide()]
+                let marked = Entry {
+                    draw: Box::new(move |room| [(front().draw)(room), vec![ring(room.middle(), true)]].concat()),
+                    ..front()
+                };
+                vec![base(), dots, marked, guide()]
             }
             Role::Axis => variants.collect(),
         }

@@ -120,6 +120,10 @@ impl Room {
         self.max[0] - self.min[0]
     }
 
+    pub fn middle(&self) -> At {
+        [0, 1].map(|k| 0.5 * (self.min[k] + self.max[k]))
+    }
+
     pub fn meets(&self, other: &Self) -> bool {
         (0..2).all(|k| self.min[k] < other.max[k] && other.min[k] < self.max[k])
     }

@@ -102,9 +102,9 @@ impl Style {
 
     /// A piece of line with the marker, for a legend; as wide as `room`, at its middle.
     pub fn sample(&self, room: Room) -> Vec<Shape> {
-        let middle = 0.5 * (room.min[1] + room.max[1]);
-        let line = Shape::segment([room.min[0], middle], [room.max[0], middle], self.line.clone());
-        vec![line, self.marker([0.5 * (room.min[0] + room.max[0]), middle])]
+        let middle = room.middle();
+        let ends = [[room.min[0], middle[1]], [room.max[0], middle[1]]];
+        vec![Shape::Line(ends.to_vec(), self.line.clone()), self.marker(middle)]
     }
 }
 

@@ -39,6 +39,22 @@ fn a_time_goal_gives_the_error_to_expect() {
 }
 
 #[test]
+fn a_picture_that_the_study_made_smaller_is_recommended_at_its_full_size() {
+    let study = Study {
+        goal: Goal::Error(0.02),
+        full_size: [1280, 960],
+        ..synthetic::with(vec![])
+    };
+    let found = recommend(&study);
+    let choice = found.choice.unwrap();
+    assert_eq!(choice.command, "pts render cornell.pts --error 2%");
+    assert!(found.text.contains("for 1280 × 960 pixels"), "{}", found.text);
+    // Four times the pixels, at the samples of the small picture.
+    assert!((choice.spp as f64 / 861.0 - 1.0).abs() < 0.1, "{choice:?}");
+    assert!(within(0.05 + 4.0 * 0.02 * 861.0, choice.seconds), "{choice:?}");
+}
+
+#[test]
 fn a_variant_must_be_clearly_faster_to_be_preferred() {
     let faster = |cost: f64| {
         with(
