@@ -3,6 +3,15 @@
 
 mod support;
 
+#[path = "hard/everywhere.rs"]
+mod everywhere;
+#[path = "hard/invariance.rs"]
+mod invariance;
+#[path = "hard/lamps.rs"]
+mod lamps;
+#[path = "hard/oblique.rs"]
+mod oblique;
+
 use pts::render::settings::Settings;
 use support::estimate::WHOLE;
 use support::scenes::{bits, estimate_of, ready, settings};

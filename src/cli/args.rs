@@ -159,7 +159,7 @@ pub struct QualityArgs {
     /// Rows; the width follows by the scene's aspect unless given.
     #[arg(long, value_name = "N", value_parser = values::side, help_heading = PICTURE)]
     pub height: Option<u32>,
-    /// Samples per pixel at most. Any of --spp, --time and --error replaces all stop rules of the scene
+    /// Samples per pixel at most. Any of --spp, --time and the error goals replaces all stop rules of the scene
     /// [default: the scene's rules, else --error 3% with at most 1024 samples].
     #[arg(short, long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=values::MAX_SPP as i64), help_heading = PICTURE)]
@@ -170,9 +170,24 @@ pub struct QualityArgs {
     /// Stop when the relative error of the picture is below this, for example 2% or 0.02, with the given confidence.
     #[arg(long, value_name = "GOAL", value_parser = values::error_goal, help_heading = PICTURE)]
     pub error: Option<f64>,
-    /// Confidence of the error bound in percent [default: 90].
+    /// Stop when the relative error of 99 % of the pixels, each pooled over its neighbours, is below this, with the
+    /// given confidence.
+    #[arg(long, value_name = "GOAL", value_parser = values::error_goal, help_heading = PICTURE)]
+    pub error_max: Option<f64>,
+    /// Stop when the error of the developed picture is below this many steps of 8 bits (root mean square), for
+    /// example 1, with the given confidence.
+    #[arg(long, value_name = "STEPS", value_parser = values::above_zero, help_heading = PICTURE)]
+    pub error_display: Option<f64>,
+    /// Confidence of the error bounds in percent [default: 90].
     #[arg(long, value_name = "PERCENT", value_parser = values::confidence, help_heading = PICTURE)]
     pub confidence: Option<f64>,
+}
+
+impl QualityArgs {
+    /// Whether one of the stop rules is about the error.
+    pub fn has_error_goal(&self) -> bool {
+        self.error.is_some() || self.error_max.is_some() || self.error_display.is_some()
+    }
 }
 
 /// What replaces parts of the scene.

@@ -1,12 +1,13 @@
 //! `pts merge`: part files to the picture they are parts of, or to a larger part.
 
+use super::accuracy::error_to_json;
 use super::args::MergeArgs;
 use super::choices::Aov;
 use super::console::Console;
 use super::outputs::{self, Finished, Refusal, Targets};
-use super::progress::error_to_json;
 use super::{Exit, format, metadata, parts, plan, replay, signals};
 use crate::output::part::{Part, read_part};
+use crate::render::estimate::Wanted;
 use crate::render::kernel::PathStats;
 use crate::render::picture::{Channels, NetSums, estimate};
 use crate::render::pixels::{Overlap, Pixels, Run};
@@ -229,7 +230,9 @@ impl Whole {
         let shape = self.pixels.shape;
         let blocks: Vec<Region> = self.frame.blocks(TILE).collect();
         (shape.nets > 1).then(|| {
-            estimate(&blocks, CONFIDENCE, |block, see| {
+            let width = |block: &Region| block.width();
+            let wanted = Wanted::default();
+            let (found, _) = estimate(&blocks, shape.nets, wanted, CONFIDENCE, width, |block, see| {
                 let mut sums = NetSums::new(shape.nets, shape.channels as usize);
                 for y in block.y0..block.y1 {
                     for x in block.x0..block.x1 {
@@ -237,7 +240,8 @@ impl Whole {
                         see(&mut sums);
                     }
                 }
-            })
+            });
+            found
         })
     }
 

@@ -1,9 +1,9 @@
 //! What a picture says about how it was made, and the fingerprint of the scene it shows.
 
+use super::accuracy::error_to_json;
 use super::args::RenderArgs;
 use super::format::grouped;
 use super::plan::Goal;
-use super::progress::error_to_json;
 use super::replay;
 use crate::files::Files;
 use crate::math::fnv::Fnv;
@@ -84,6 +84,8 @@ pub fn stop_word(stop: StopReason) -> &'static str {
         StopReason::Samples => "samples",
         StopReason::Time => "time",
         StopReason::Error => "error",
+        StopReason::ErrorMax => "error_max",
+        StopReason::ErrorDisplay => "error_display",
         StopReason::Interrupted => "interrupted",
     }
 }
@@ -112,6 +114,8 @@ pub fn describe(
         "direct": settings.technique.direct.word(),
         "stop": stop_word(report.stop),
         "error_goal": goal.rules.error,
+        "error_max_goal": goal.rules.error_max,
+        "error_display_goal": goal.rules.error_display,
         "confidence": goal.rules.confidence,
         "error": error_to_json(report.error.as_ref()),
     });

@@ -3,7 +3,8 @@
 //! Streams: pictures go to files, or to standard output on request; everything else goes to standard error.
 //! (The reports of `compare` and of `check --format json` are the exceptions: they are the product.)
 
-pub mod args;
+pub mod accuracy;
+mod args;
 pub mod camera;
 pub mod check;
 pub mod checkpoint;

@@ -27,30 +27,62 @@ pub struct Goal {
     pub error_was_asked: bool,
 }
 
-/// The stop rules in force. Any of `--spp`, `--time` and `--error` replaces all rules of the scene.
+/// The stop rules in force. Any stop rule on the command line replaces all rules of the scene.
 pub fn stop_rules(args: &QualityArgs, scene: &RenderDefaults) -> Goal {
-    let from_args = (args.spp, args.time, args.error);
-    let from_scene = (scene.spp, scene.time, scene.error);
-    let none = (None, None, None);
-    let ((spp, seconds, error), scene_confidence) = if from_args != none {
-        (from_args, None)
-    } else if from_scene != none {
-        (from_scene, scene.confidence)
+    let confidence = args.confidence.or(scene.confidence);
+    let from_args = Asked {
+        spp: args.spp,
+        seconds: args.time,
+        error: args.error,
+        error_max: args.error_max,
+        error_display: args.error_display,
+    };
+    let from_scene = Asked {
+        spp: scene.spp,
+        seconds: scene.time,
+        error: scene.error,
+        ..Asked::default()
+    };
+    if from_args != Asked::default() {
+        from_args.rules(args.confidence, true)
+    } else if from_scene != Asked::default() {
+        from_scene.rules(confidence, true)
     } else {
-        ((Some(DEFAULT_ERROR_SPP), None, Some(DEFAULT_ERROR)), scene.confidence)
-    };
-    let cap = match (seconds, error) {
-        (None, Some(_)) => ERROR_ALONE_SPP,
-        _ => MAX_SPP,
-    };
-    Goal {
-        rules: StopRules {
-            spp: spp.unwrap_or(cap),
-            seconds,
-            error,
-            confidence: args.confidence.or(scene_confidence).unwrap_or(0.9),
-        },
-        error_was_asked: error.is_some() && (from_args != none || from_scene != none),
+        let built_in = Asked {
+            spp: Some(DEFAULT_ERROR_SPP),
+            error: Some(DEFAULT_ERROR),
+            ..Asked::default()
+        };
+        built_in.rules(confidence, false)
+    }
+}
+
+/// Stop rules as somebody gave them.
+#[derive(Default, PartialEq)]
+struct Asked {
+    spp: Option<u32>,
+    seconds: Option<f64>,
+    error: Option<f64>,
+    error_max: Option<f64>,
+    error_display: Option<f64>,
+}
+
+impl Asked {
+    fn rules(&self, confidence: Option<f64>, was_asked: bool) -> Goal {
+        let mut rules = StopRules {
+            seconds: self.seconds,
+            error: self.error,
+            error_max: self.error_max,
+            error_display: self.error_display,
+            ..StopRules::samples(MAX_SPP)
+        };
+        let alone = rules.has_error_goal() && rules.seconds.is_none();
+        rules.spp = self.spp.unwrap_or(if alone { ERROR_ALONE_SPP } else { MAX_SPP });
+        rules.confidence = confidence.unwrap_or(rules.confidence);
+        Goal {
+            rules,
+            error_was_asked: was_asked && rules.has_error_goal(),
+        }
     }
 }
 
@@ -58,10 +90,8 @@ pub fn stop_rules(args: &QualityArgs, scene: &RenderDefaults) -> Goal {
 pub fn exactly(samples: &std::ops::Range<u32>, goal: Goal) -> Goal {
     Goal {
         rules: StopRules {
-            spp: samples.end - samples.start,
-            seconds: None,
-            error: None,
-            ..goal.rules
+            confidence: goal.rules.confidence,
+            ..StopRules::samples(samples.end - samples.start)
         },
         error_was_asked: false,
     }

@@ -2,8 +2,8 @@
 
 use super::choices::ProgressKind;
 use super::console::Console;
-use super::{format, signals};
-use crate::render::report::{ErrorEstimate, Observer, Progress};
+use super::{accuracy, format, signals};
+use crate::render::report::{Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 use std::sync::Mutex;
@@ -128,11 +128,12 @@ fn line(progress: &Progress, rendering: Duration) -> String {
         format!("{} spp", progress.spp),
     ];
     if let Some(error) = &progress.error {
-        parts.push(error_text(error));
+        parts.push(accuracy::short(error));
     }
     parts.push(format::duration(progress.elapsed));
-    if let Some(left) = progress.remaining {
-        parts.push(format!("{} left", format::duration(left)));
+    parts.extend(accuracy::remaining(progress));
+    if let Some(forecast) = &progress.forecast {
+        parts.push(format!("[half the error: +{}]", format::duration(forecast.halving)));
     }
     let seconds = rendering.as_secs_f64();
     if seconds > 0.0 {
@@ -144,12 +145,6 @@ fn line(progress: &Progress, rendering: Duration) -> String {
     parts.join("  ")
 }
 
-/// `error 4.1 % (≤ 4.6 %)`, the bound at the asked confidence.
-fn error_text(e: &ErrorEstimate) -> String {
-    let (error, bound) = (format::percent(e.error), format::percent(e.bound));
-    format!("error {error} (≤ {bound})")
-}
-
 fn event(progress: &Progress) -> Value {
     json!({
         "event": "progress",
@@ -159,18 +154,15 @@ fn event(progress: &Progress) -> Value {
         "samples_at_most": progress.samples_at_most,
         "elapsed": progress.elapsed,
         "remaining": progress.remaining,
-        "error": error_to_json(progress.error.as_ref()),
+        "error": accuracy::error_to_json(progress.error.as_ref()),
+        "forecast": accuracy::forecast_to_json(progress.forecast.as_ref()),
     })
-}
-
-/// `{"error": …, "bound": …}` as fractions, or null.
-pub fn error_to_json(error: Option<&ErrorEstimate>) -> Value {
-    error.map_or(Value::Null, |e| json!({"error": e.error, "bound": e.bound}))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::report::{ErrorEstimate, Forecast};
 
     #[test]
     fn a_line_tells_share_speed_time_and_error() {
@@ -184,12 +176,34 @@ mod tests {
             error: Some(ErrorEstimate {
                 error: 0.041,
                 bound: 0.046,
+                ..ErrorEstimate::default()
             }),
+            forecast: None,
         };
         let text = line(&progress, Duration::from_secs(10));
         assert_eq!(
             text,
             " 40 %  128 spp  error 4.1 % (≤ 4.6 %)  12 s  18 s left  3.20 M samples/s"
         );
+        let progress = Progress {
+            forecast: Some(Forecast {
+                to_goal: Some([14.0, 25.0]),
+                halving: 36.0,
+                tenfold: 0.013,
+                exponent: 0.5,
+            }),
+            ..progress
+        };
+        let text = line(&progress, Duration::from_secs(10));
+        assert!(
+            text.contains("12 s  goal in 14 s to 25 s  [half the error: +36 s]  3.20 M"),
+            "{text}"
+        );
+        let too_late = Progress {
+            remaining: Some(5.0),
+            ..progress
+        };
+        let text = line(&too_late, Duration::from_secs(10));
+        assert!(text.contains("5.0 s left, the goal needs 14 s to 25 s"), "{text}");
     }
 }

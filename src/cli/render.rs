@@ -99,8 +99,8 @@ fn header_of(before: &Value, tiles: &Tiles) -> Value {
 
 /// Everything that can be wrong without looking at the scene.
 fn prepare(args: &RenderArgs) -> Result<Targets, outputs::Refusal> {
-    if args.sampling.nets == Some(1) && args.quality.error.is_some() {
-        let message = "--error needs several sample nets to estimate the error from: leave --nets 1 out";
+    if args.sampling.nets == Some(1) && args.quality.has_error_goal() {
+        let message = "an error goal needs several sample nets to estimate the error from: leave --nets 1 out";
         return Err((Exit::Usage, message.to_owned()));
     }
     if args.sampling.nets == Some(1)
@@ -109,6 +109,13 @@ fn prepare(args: &RenderArgs) -> Result<Targets, outputs::Refusal> {
         return Err((Exit::Usage, why.to_owned()));
     }
     let targets = outputs::plan(&args.output, args.scene())?;
+    let parts = &args.parts;
+    let is_part = parts.checkpoint.is_some() || parts.samples.is_some() || parts.tile.is_some();
+    if args.sampling.adaptive && (is_part || !targets.parts.is_empty()) {
+        let message =
+            "--adaptive gives each tile its own samples, which parts and checkpoints cannot hold: leave one out";
+        return Err((Exit::Usage, message.to_owned()));
+    }
     checkpoint::check(&args.parts)?;
     if let Some(threads) = args.sampling.threads {
         let pool = rayon::ThreadPoolBuilder::new()
@@ -193,7 +200,7 @@ fn build<F: Files>(
     if let Some(samples) = &args.parts.samples {
         goal = plan::exactly(&samples.0, goal);
     }
-    if args.parts.tile.is_some() && (goal.rules.error.is_some() || goal.rules.seconds.is_some()) {
+    if args.parts.tile.is_some() && (goal.rules.has_error_goal() || goal.rules.seconds.is_some()) {
         let message = "--tile needs as many samples in each tile: add --spp N or --samples A..B";
         return Err((Exit::Usage, message.to_owned()));
     }
@@ -220,10 +227,12 @@ fn build<F: Files>(
         linear: scene.display_is_linear,
     };
     let curve = args.output.tonemap.unwrap_or(display.tonemap);
+    let develop = outputs::develop(&args.output, curve, display.linear);
+    settings.display = goal.rules.error_display.map(|_| develop.curve());
     let hash = files.scene_hash(args);
     Ok(Some(Job {
         compiled,
-        develop: outputs::develop(&args.output, curve, display.linear),
+        develop,
         header: parts::header(args, &hash, &settings, display),
         settings,
         goal,
@@ -246,6 +255,8 @@ fn announce(args: &RenderArgs, job: &Job, console: &Console) {
             "spp_at_most": rules.spp,
             "seconds_at_most": rules.seconds,
             "error_goal": rules.error,
+            "error_max_goal": rules.error_max,
+            "error_display_goal": rules.error_display,
             "confidence": rules.confidence,
             "threads": rayon::current_num_threads(),
         }));

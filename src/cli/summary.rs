@@ -1,9 +1,9 @@
 //! What is told after a render: what was written, how good it is, why it ended, how to make it again.
 
-use super::format::{count, duration, percent};
+use super::accuracy::{self, error_to_json, forecast_to_json};
+use super::format::{count, duration};
 use super::metadata::{bias_words, stop_word};
 use super::plan::Goal;
-use super::progress::error_to_json;
 use crate::render::report::{Anomalies, Report, StopReason};
 use crate::render::settings::Settings;
 use serde_json::{Value, json};
@@ -50,8 +50,14 @@ impl Summary<'_> {
         }
         lines.push(work);
         lines.extend(self.view.map(|view| format!("  view: {view}")));
-        lines.push(format!("  {}", self.error()));
+        lines.extend(self.error().iter().map(|line| format!("  {line}")));
         lines.push(format!("  {}", self.stop()));
+        if let Some(forecast) = &report.forecast {
+            lines.push(format!(
+                "  {}",
+                accuracy::outlook(forecast, is_goal_missed(self.goal, report))
+            ));
+        }
         if !self.biased.is_empty() {
             lines.push(format!("  biased: {}", bias_words(self.biased, report.clamped)));
         }
@@ -62,38 +68,37 @@ impl Summary<'_> {
         lines.join("\n")
     }
 
-    fn error(&self) -> String {
-        let confidence = percent(self.goal.rules.confidence);
-        match &self.report.error {
-            Some(e) => {
-                let (error, bound) = (percent(e.error), percent(e.bound));
-                format!("error {error}, below {bound} with {confidence} confidence")
-            }
-            None if self.settings.nets == 1 => {
-                "error unknown: it shows in the spread of several nets (--nets 4)".to_owned()
-            }
+    fn error(&self) -> Vec<String> {
+        let unknown = match &self.report.error {
+            Some(e) => return accuracy::full(e, self.goal.rules.confidence),
+            None if self.settings.nets == 1 => "it shows in the spread of several nets (--nets 4)".to_owned(),
             None if self.report.spp < LEAST_SPP_FOR_ERRORS => {
-                format!("error unknown: standard errors need {LEAST_SPP_FOR_ERRORS} samples per pixel")
+                format!("standard errors need {LEAST_SPP_FOR_ERRORS} samples per pixel")
             }
-            None => "error unknown: too few samples per pixel to estimate it".to_owned(),
-        }
+            None => "too few samples per pixel to estimate it".to_owned(),
+        };
+        vec![format!("error unknown: {unknown}")]
     }
 
     fn stop(&self) -> String {
         let rules = &self.goal.rules;
-        let goal = rules.error.map(percent);
-        let missed = match (&goal, is_goal_missed(self.goal, self.report)) {
-            (Some(goal), true) => format!("; the error goal of {goal} is not reached"),
+        let goals = accuracy::goals(rules);
+        let named: Vec<&str> = goals.iter().map(|(goal, _)| goal.as_str()).collect();
+        let missed = match named.join(" and the ") {
+            goals if is_goal_missed(self.goal, self.report) => format!("; the {goals} is not reached"),
             _ => String::new(),
         };
         match self.report.stop {
-            StopReason::Error => format!("stopped at the error goal of {}", goal.unwrap_or_default()),
             StopReason::Samples => format!("stopped after all samples{missed}"),
             StopReason::Time => format!(
                 "stopped by the time limit of {}{missed}",
                 duration(rules.seconds.unwrap_or(0.0))
             ),
             StopReason::Interrupted => "interrupted: this is the picture so far".to_owned(),
+            StopReason::Error | StopReason::ErrorMax | StopReason::ErrorDisplay => {
+                let reached = goals.iter().find(|(_, reason)| *reason == self.report.stop);
+                format!("stopped at the {}", reached.map_or("error goal", |(goal, _)| goal))
+            }
         }
     }
 
@@ -112,6 +117,7 @@ impl Summary<'_> {
             "seconds": report.seconds,
             "stop": stop_word(report.stop),
             "error": error_to_json(report.error.as_ref()),
+            "forecast": forecast_to_json(report.forecast.as_ref()),
             "anomalies": {
                 "non_finite": anomalies.non_finite,
                 "shading_rejected": anomalies.shading_rejected,
@@ -125,13 +131,9 @@ impl Summary<'_> {
     }
 }
 
-/// Whether there is an error goal, asked for or built in, whose bound was not reached.
+/// Whether there are error goals, asked for or built in, and none was reached.
 pub fn is_goal_missed(goal: &Goal, report: &Report) -> bool {
-    let Some(wanted) = goal.rules.error else {
-        return false;
-    };
-    let reached = report.error.is_some_and(|e| e.bound <= wanted);
-    !(reached || report.stop == StopReason::Error)
+    accuracy::is_missed(&goal.rules, report.error.as_ref(), report.stop)
 }
 
 fn anomalies(found: &Anomalies) -> Vec<String> {
@@ -169,7 +171,9 @@ mod tests {
             error: bound.map(|bound| ErrorEstimate {
                 error: 0.9 * bound,
                 bound,
+                ..ErrorEstimate::default()
             }),
+            forecast: None,
             anomalies: Anomalies::default(),
             clamped: 12_345,
         }
@@ -178,10 +182,8 @@ mod tests {
     fn goal(error: Option<f64>) -> Goal {
         Goal {
             rules: StopRules {
-                spp: 256,
-                seconds: None,
                 error,
-                confidence: 0.9,
+                ..StopRules::samples(256)
             },
             error_was_asked: true,
         }

@@ -135,6 +135,12 @@ pub fn factor(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| format!("`{text}` is not a finite number of at least 0"))
 }
 
+/// A number, finite and > 0.
+pub fn above_zero(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|f| f.is_finite() && *f > 0.0);
+    value.ok_or_else(|| format!("`{text}` is not a finite number above 0"))
+}
+
 /// A limit, finite and > 0.
 pub fn limit(text: &str) -> Result<f32, String> {
     let value = text.trim().parse::<f32>().ok().filter(|f| f.is_finite() && *f > 0.0);

@@ -26,6 +26,16 @@ pub fn acos(x: f32) -> f32 {
     libm::acosf(x.clamp(-1.0, 1.0))
 }
 
+/// eˣ in double precision.
+pub fn exp_f64(x: f64) -> f64 {
+    libm::exp(x)
+}
+
+/// Natural logarithm in double precision.
+pub fn ln_f64(x: f64) -> f64 {
+    libm::log(x)
+}
+
 /// Cosine in f64, for tables made before rendering.
 pub fn cos_f64(x: f64) -> f64 {
     libm::cos(x)

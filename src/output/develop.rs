@@ -1,7 +1,9 @@
 //! Radiance to the 8-bit pixels of a display format.
 
 use super::{Layers, ToneMap};
+use crate::math::color::srgb_from_linear;
 use crate::pictures::{Quantized, Transfer, quantize};
+use crate::render::settings::DisplayCurve;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -28,6 +30,24 @@ impl Default for Develop {
             display_is_linear: false,
             dither: true,
         }
+    }
+}
+
+impl Develop {
+    /// The curve from radiance to display values, without rounding and dither.
+    pub fn curve(&self) -> DisplayCurve {
+        let (how, gain) = (*self, self.exposure_ev.exp2() as f32);
+        DisplayCurve::new(move |rgb| {
+            let shown = how.tonemap.apply(Vec3::from_array(rgb) * gain);
+            shown.to_array().map(|v| {
+                let v = f64::from(v.clamp(0.0, 1.0)); // a display shows no more and no less
+                if how.display_is_linear {
+                    v as f32
+                } else {
+                    srgb_from_linear(v) as f32
+                }
+            })
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::pictures::colormap::magma;
 pub enum ViewKind {
     /// The relative standard error, logarithmic from [`LEAST_ERROR`] (dark) to 1 (bright).
     Error,
-    /// The time of a sample, logarithmic between the hundredth parts of pixels that are quickest (dark) and slowest
+    /// The time of a sample, logarithmic between the twentieth parts of pixels that are quickest (dark) and slowest
     /// (bright).
     Time,
     /// n/2 + 1/2 as sRGB numbers: red grows with x, green with y, blue with z; middle grey where nothing is hit.
@@ -26,8 +26,10 @@ pub const LEAST_ERROR: f64 = 1e-3;
 /// Times below this, in nanoseconds, are shown as this: no clock tells them apart, and 0 has no logarithm.
 const LEAST_TIME: f64 = 1.0;
 
-/// Share of pixels at either end of a scale that are beyond it: one slow pixel must not darken all others.
-const BEYOND: f64 = 0.01;
+/// Share of pixels at either end of a scale that are beyond it. One far pixel must not darken all others; of times
+/// there are more such, since the machine takes a thread off its pixel now and then.
+const BEYOND_DEPTH: f64 = 0.01;
+const BEYOND_TIME: f64 = 0.05;
 
 /// A picture of a layer.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,11 +73,13 @@ pub fn view(kind: ViewKind, of: &Layers) -> Option<View> {
             let least = LEAST_TIME as f32;
             let shown = |t: &f32| if *t < least { least } else { *t }; // NaN stays NaN
             let times: Vec<f32> = of.time.as_deref()?.iter().map(shown).collect();
-            scale(&times, most_of(&times), &logarithmic)
+            scale(&times, most_of(&times, BEYOND_TIME), &logarithmic)
         }
         ViewKind::Depth => {
             let depths = of.depth.as_deref()?;
-            scale(depths, most_of(depths), &|z, range| 1.0 - linear(z, range))
+            scale(depths, most_of(depths, BEYOND_DEPTH), &|z, range| {
+                1.0 - linear(z, range)
+            })
         }
         ViewKind::Normal => {
             let code = |n: f32| linear_from_srgb(f64::from(n) * 0.5 + 0.5) as f32;
@@ -94,12 +98,12 @@ fn logarithmic(v: f64, [low, high]: [f64; 2]) -> f64 {
     linear(v.ln(), [low.ln(), high.ln()])
 }
 
-/// The numbers between which all but the share [`BEYOND`] at either end lie; `None` without finite numbers.
-fn most_of(numbers: &[f32]) -> Option<[f64; 2]> {
+/// The numbers between which all but the share `beyond` at either end lie; `None` without finite numbers.
+fn most_of(numbers: &[f32], beyond: f64) -> Option<[f64; 2]> {
     let mut known: Vec<f32> = numbers.iter().copied().filter(|v| v.is_finite()).collect();
     known.sort_unstable_by(f32::total_cmp);
     let last = known.len().checked_sub(1)?;
-    let beyond = (last as f64 * BEYOND) as usize;
+    let beyond = (last as f64 * beyond) as usize;
     Some([known[beyond], known[last - beyond]].map(f64::from))
 }
 

@@ -11,6 +11,7 @@ pub mod clock;
 pub mod driver;
 pub mod estimate;
 pub mod film;
+pub mod forecast;
 pub mod geometry;
 pub mod kernel;
 pub mod light;

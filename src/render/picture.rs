@@ -1,6 +1,6 @@
 //! From sums to pictures and error estimates, the same for a render and for parts that were brought together.
 
-use super::estimate::{ErrorSums, standard_error};
+use super::estimate::{ErrorSums, Sheet, Wanted, standard_error};
 use super::report::{ErrorEstimate, Picture};
 use super::settings::Aovs;
 use crate::math::color::luminance;
@@ -182,12 +182,16 @@ impl Picture {
     }
 }
 
-/// The error of a picture whose pixels all have as many samples. `visit` shows the pixels of a block, one by one.
+/// The error of a picture, and the share of E² of each block, summed over its pixels. `visit` shows the pixels of a
+/// block row by row, `width` tells its columns.
 pub fn estimate<B: Sync>(
     blocks: &[B],
+    nets: u32,
+    wanted: Wanted,
     confidence: f64,
+    width: impl Fn(&B) -> u32 + Sync,
     visit: impl Fn(&B, &mut dyn FnMut(&mut NetSums)) + Sync,
-) -> ErrorEstimate {
+) -> (ErrorEstimate, Vec<f64>) {
     let brightness = |block: &B| {
         let (mut sum, mut pixels) = (0.0, 0u64);
         visit(block, &mut |sums| {
@@ -199,11 +203,15 @@ pub fn estimate<B: Sync>(
     let of_blocks: Vec<(f64, u64)> = blocks.par_iter().map(brightness).collect();
     let total: f64 = of_blocks.iter().map(|b| b.0).sum();
     let pixels: u64 = of_blocks.iter().map(|b| b.1).sum();
-    let mut errors = ErrorSums::new(total / pixels as f64, blocks.len());
-    for (i, block) in blocks.iter().enumerate() {
-        visit(block, &mut |sums| errors.add(i, sums.net_means()));
-    }
-    errors.estimate(confidence)
+    let mean = total / pixels as f64;
+    let errors = |block: &B| {
+        let mut sheet = Sheet::new(width(block) as usize, nets as usize);
+        visit(block, &mut |sums| sheet.push(sums.net_means()));
+        ErrorSums::of(&sheet, mean, wanted, confidence)
+    };
+    let errors: Vec<ErrorSums> = blocks.par_iter().map(errors).collect();
+    let shares = errors.iter().map(ErrorSums::total).collect();
+    (errors.into_iter().sum::<ErrorSums>().estimate(confidence), shares)
 }
 
 #[cfg(test)]

@@ -1,13 +1,7 @@
 //! What is told during and after a render.
 
-/// The estimated error of the whole image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ErrorEstimate {
-    /// E, the relative root mean square error (fraction).
-    pub error: f64,
-    /// Its upper bound at the asked confidence.
-    pub bound: f64,
-}
+pub use super::estimate::{Bounded, ErrorEstimate};
+pub use super::forecast::Forecast;
 
 /// A look at a running render, given to the observer after every tile.
 #[derive(Clone, Debug)]
@@ -26,6 +20,8 @@ pub struct Progress {
     pub remaining: Option<f64>,
     /// The error at the last look, once there was one.
     pub error: Option<ErrorEstimate>,
+    /// What more time would bring, once there were two looks.
+    pub forecast: Option<Forecast>,
 }
 
 /// Somebody who watches a render. Called from the rendering threads: keep it short.
@@ -55,6 +51,10 @@ pub enum StopReason {
     Time,
     /// The error goal was reached.
     Error,
+    /// The goal for the worst pixels was reached.
+    ErrorMax,
+    /// The goal for the developed picture was reached.
+    ErrorDisplay,
     /// The observer asked for it.
     Interrupted,
 }
@@ -94,6 +94,8 @@ pub struct Report {
     pub seconds: f64,
     /// The error at the end, where it can be estimated.
     pub error: Option<ErrorEstimate>,
+    /// What more time would have brought.
+    pub forecast: Option<Forecast>,
     /// What went wrong.
     pub anomalies: Anomalies,
     /// Samples that were scaled down by [`super::technique::Technique::clamp`].

@@ -1,6 +1,8 @@
 //! What a render is asked to do.
 
 use super::technique::Technique;
+use std::fmt;
+use std::sync::Arc;
 
 /// The pixel filter; all are sampled, so that each sample belongs to one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -23,8 +25,53 @@ pub struct StopRules {
     pub seconds: Option<f64>,
     /// Image error E to reach, as a fraction.
     pub error: Option<f64>,
-    /// Confidence of the error bound, in (0, 1).
+    /// Relative error that 99 % of the pixels shall stay below, pooled over their neighbours.
+    pub error_max: Option<f64>,
+    /// Root mean square error of the developed picture to reach, in 8-bit steps; needs [`Settings::display`].
+    pub error_display: Option<f64>,
+    /// Confidence of the error bounds, in (0, 1).
     pub confidence: f64,
+}
+
+impl StopRules {
+    /// This many samples, and nothing else.
+    pub fn samples(spp: u32) -> StopRules {
+        StopRules {
+            spp,
+            seconds: None,
+            error: None,
+            error_max: None,
+            error_display: None,
+            confidence: 0.9,
+        }
+    }
+
+    /// Whether one of the rules is about the error.
+    pub fn has_error_goal(&self) -> bool {
+        self.error.is_some() || self.error_max.is_some() || self.error_display.is_some()
+    }
+}
+
+/// How radiance becomes display values in [0, 1], for errors in 8-bit steps.
+#[derive(Clone)]
+pub struct DisplayCurve(Arc<dyn Fn([f32; 3]) -> [f32; 3] + Send + Sync>);
+
+impl DisplayCurve {
+    /// From a function of linear RGB.
+    pub fn new(curve: impl Fn([f32; 3]) -> [f32; 3] + Send + Sync + 'static) -> DisplayCurve {
+        DisplayCurve(Arc::new(curve))
+    }
+
+    /// Display values of a colour.
+    pub fn develop(&self, rgb: [f32; 3]) -> [f32; 3] {
+        (self.0)(rgb)
+    }
+}
+
+impl fmt::Debug for DisplayCurve {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("DisplayCurve")
+    }
 }
 
 /// Which extra layers are wanted.
@@ -112,6 +159,8 @@ pub struct Settings {
     pub first: u32,
     /// When to stop.
     pub stop: StopRules,
+    /// How the picture will be shown; only for the error in 8-bit steps.
+    pub display: Option<DisplayCurve>,
     /// Seed of all samples.
     pub seed: u64,
     /// Independently scrambled nets: 1, 4, 8 or 16.
@@ -134,12 +183,8 @@ impl Settings {
             height,
             region: Region::whole(width, height),
             first: 0,
-            stop: StopRules {
-                spp,
-                seconds: None,
-                error: None,
-                confidence: 0.9,
-            },
+            stop: StopRules::samples(spp),
+            display: None,
             seed: 0,
             nets: 4,
             filter: Filter::default(),

@@ -1,6 +1,7 @@
 //! The tiles a picture is rendered in.
 
 use super::clock::PixelClock;
+use super::estimate::Wanted;
 use super::film::TileFilm;
 use super::kernel::PathStats;
 use super::picture::{Channels, NetSums, estimate};
@@ -217,9 +218,10 @@ impl Tiles {
         picture
     }
 
-    /// Its error; all pixels must have as many samples.
-    pub fn error(&self, confidence: f64) -> ErrorEstimate {
-        estimate(&self.all, confidence, |tile, see| {
+    /// Its error, and the share of E² that each tile has, summed over its pixels. All pixels need samples of all nets.
+    pub fn error(&self, wanted: Wanted, confidence: f64) -> (ErrorEstimate, Vec<f64>) {
+        let width = |tile: &Tile| tile.width;
+        estimate(&self.all, self.shape.nets, wanted, confidence, width, |tile, see| {
             let mut sums = NetSums::new(self.shape.nets, self.channels.count);
             for pixel in 0..tile.width * tile.height {
                 tile.net_sums(pixel as usize, &mut sums);

@@ -2,7 +2,7 @@
 //! must be free of non-finite samples and of paths that were cut because media were nested too deep.
 
 use super::estimate::Estimate;
-use pts::compile::compile;
+use pts::compile::compile_with;
 use pts::diag::{Diagnostics, SourceMap};
 use pts::files::DiskFiles;
 use pts::import::framing;
@@ -11,6 +11,7 @@ use pts::render::driver;
 use pts::render::report::{Picture, Report, Silent};
 use pts::render::scene::CompiledScene;
 use pts::render::settings::{Filter, Settings};
+use pts::render::technique::Technique;
 use std::path::{Path, PathBuf};
 
 /// A file of the repository.
@@ -49,6 +50,11 @@ pub fn settings(size: [u32; 2], spp: u32, seed: u64) -> Settings {
 
 /// Loads and compiles a scene file of the repository with values declared before it is read. A model is framed first.
 pub fn ready(name: &str, defines: &[(&str, &str)], size: [u32; 2]) -> Ready {
+    ready_for(&Technique::default(), name, defines, size)
+}
+
+/// As [`ready`], for a technique; settings must name the same.
+pub fn ready_for(technique: &Technique, name: &str, defines: &[(&str, &str)], size: [u32; 2]) -> Ready {
     let (files, mut sources, mut diags) = (DiskFiles::default(), SourceMap::default(), Diagnostics::default());
     let options = LoadOptions {
         defines: defines
@@ -65,7 +71,7 @@ pub fn ready(name: &str, defines: &[(&str, &str)], size: [u32; 2]) -> Ready {
     if let Some(scene) = scene.as_mut().filter(|_| is_model) {
         framing::frame(scene, f64::from(size[0]) / f64::from(size[1]));
     }
-    let compiled = scene.and_then(|s| compile(&s, &files, size[0], size[1], &mut diags));
+    let compiled = scene.and_then(|s| compile_with(&s, &files, size[0], size[1], technique, &mut diags));
     let name = format!("{name} {defines:?}");
     let told: Vec<String> = diags.iter().map(|d| format!("{} {}", d.code, d.message)).collect();
     let compiled = compiled.unwrap_or_else(|| panic!("{name} is refused:\n{}", told.join("\n")));

@@ -13,10 +13,10 @@ const PARTS: &str = "Parts of a picture (write them with -o part.ptspart, bring 
 #[derive(Args, Clone, Debug, Default)]
 pub struct PartArgs {
     /// Only the samples from number a to before number b of each pixel, counted from 0, for example 256..512.
-    #[arg(long, value_name = "A..B", conflicts_with_all = ["spp", "time", "error"], help_heading = PARTS)]
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["spp", "time", "error", "error_max", "error_display"], help_heading = PARTS)]
     pub samples: Option<SampleRange>,
     /// Only band k of n bands of rows, counted from 0, for example 0/4.
-    #[arg(long, value_name = "K/N", conflicts_with_all = ["region", "time", "error"], help_heading = PARTS)]
+    #[arg(long, value_name = "K/N", conflicts_with_all = ["region", "time", "error", "error_max", "error_display"], help_heading = PARTS)]
     pub tile: Option<Tile>,
     /// Only these pixels, counted from the top left, the end excluded; the others are black.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = ranges::region, help_heading = PARTS)]

@@ -4,8 +4,9 @@
 //! distance, and count twice; rays that hit them by chance find the one with the lower primitive. Models that contain
 //! a mesh twice are common enough for this to matter.
 
-use super::Light;
+use super::{Aim, Light, Receiver, SphereLight};
 use crate::render::ray::PrimRef;
+use glam::DVec3;
 
 /// The shape of an emitter, bit by bit, with a number for its kind, and its primitive.
 fn shape_of(light: &Light) -> Option<([u64; 11], PrimRef)> {
@@ -45,9 +46,18 @@ fn shape_of(light: &Light) -> Option<([u64; 11], PrimRef)> {
     Some((key, prim))
 }
 
-/// By light: whether another emitter of exactly its shape and place, with a lower primitive, hides it.
-pub(crate) fn hidden(lights: &[Light]) -> Vec<bool> {
+/// Which lights are copies of each other, by light.
+pub(crate) struct Copies {
+    /// Whether another emitter of exactly its shape and place, with a lower primitive, hides it.
+    pub hidden: Vec<bool>,
+    /// Whether it hides another in this way.
+    pub hiding: Vec<bool>,
+}
+
+/// Finds emitters in the very same place.
+pub(crate) fn copies(lights: &[Light]) -> Copies {
     let mut hidden = vec![false; lights.len()];
+    let mut hiding = hidden.clone();
     let mut order: Vec<(u64, u32)> = (0u32..)
         .zip(lights)
         .filter_map(|(i, l)| Some((hash(&shape_of(l)?.0), i)))
@@ -62,9 +72,36 @@ pub(crate) fn hidden(lights: &[Light]) -> Vec<bool> {
         members.sort_unstable();
         for pair in members.windows(2) {
             hidden[pair[1].2] = pair[0].0 == pair[1].0;
+            hiding[pair[0].2] |= pair[0].0 == pair[1].0;
         }
     }
-    hidden
+    Copies { hidden, hiding }
+}
+
+/// The end of a shadow ray to a light that hides a copy of itself, which must not block. What rounding moves across the
+/// ray moves the copy's hit along it by up to 1/cos as much, cos that of the angle at the light. As the cosine vanishes
+/// nothing blocks, nor is there light; and nothing of a sphere is nearer than |d − R|, however flat the ray meets it.
+pub(crate) fn shadow_end(light: &Light, at: &Receiver, aim: &Aim) -> f32 {
+    let w = aim.wi.as_dvec3();
+    let flat = |normal: DVec3| (w.dot(normal).abs() / normal.length(), 0.0);
+    let round = |sphere: &SphereLight| {
+        let from_center = at.p.as_dvec3() - sphere.center;
+        let normal = (from_center + w * f64::from(aim.distance)) / sphere.radius;
+        (w.dot(normal).abs(), (from_center.length() - sphere.radius).abs())
+    };
+    let (cos, nearest) = match light {
+        Light::Sphere(l) => round(l),
+        Light::SphereCap(l) => round(&l.sphere),
+        Light::Triangle(l) => flat(l.e1.as_dvec3().cross(l.e2.as_dvec3())),
+        Light::Parallelogram(l) => flat(l.e1.as_dvec3().cross(l.e2.as_dvec3())),
+        Light::Disc(l) => flat(l.axis1.cross(l.axis2)),
+        Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) | Light::Environment(_) => {
+            return aim.t_max;
+        }
+    };
+    let margin = aim.distance - aim.t_max;
+    let end = aim.t_max - margin * (1.0 / cos.min(1.0) - 1.0) as f32;
+    end.max(nearest as f32 - margin)
 }
 
 /// FNV-1a over words, with a final mix.

@@ -2,6 +2,7 @@
 
 use super::bounds::LightBounds;
 use super::choice::{Table, extend};
+use super::coincident::Copies;
 use super::distant::{DistantLights, is_distant, split_number};
 use super::tree::LightTree;
 use super::{Aim, EnvironmentLight, HitOnLight, Light, LightSample, Receiver, coincident, power};
@@ -20,6 +21,8 @@ pub struct LightSet {
     /// What chooses among several lights.
     choice: Option<Box<Choice>>,
     environments: Vec<u32>,
+    /// By light, whether copies of it stand in its place; empty if there are no copies at all.
+    hiding: Vec<bool>,
     has_delta: bool,
 }
 
@@ -52,8 +55,11 @@ impl LightSet {
     /// As [`LightSet::new`], with the way in which one of several is chosen. `bounds` is the box of what stands in the
     /// scene, which says how much of the sun and the sky it can catch; only [`LightPick::Power`] asks for it.
     pub fn with_pick(lights: Vec<Light>, pick: LightPick, bounds: Option<(Vec3, Vec3)>) -> LightSet {
+        let Copies { hidden, mut hiding } = coincident::copies(&lights);
+        if !hiding.contains(&true) {
+            hiding = Vec::new();
+        }
         let choice = (lights.len() > 1).then(|| {
-            let hidden = coincident::hidden(&lights);
             if pick == LightPick::Tree {
                 let near = (0u32..)
                     .zip(lights.iter().zip(&hidden))
@@ -86,6 +92,7 @@ impl LightSet {
             lights,
             choice,
             environments,
+            hiding,
             has_delta,
         }
     }
@@ -128,7 +135,10 @@ impl LightSet {
             Some(_) => self.choose(&at, extend(u_pick, u.x.to_bits() ^ u.y.to_bits().rotate_left(16)))?,
         };
         let l = self.lights.get(light as usize)?;
-        let aim = self.aim(l, &at, u)?;
+        let mut aim = self.aim(l, &at, u)?;
+        if self.hiding.get(light as usize) == Some(&true) {
+            aim.t_max = coincident::shadow_end(l, &at, &aim);
+        }
         let pdf = match l {
             // Several environments overlap; the densities of all of them add up.
             Light::Environment(_) if self.environments.len() > 1 => self.environment_pdf(p, n, two_sided, aim.wi),

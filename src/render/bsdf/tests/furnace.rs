@@ -1,7 +1,7 @@
 //! Energy: what surfaces return under uniform light, and what slabs of glass let through.
 
 use super::*;
-use crate::render::bsdf::energy::fresnel_mean;
+use crate::render::bsdf::energy::{fresnel_mean, schlick_albedo, solid_albedo};
 
 /// Share of light scattered towards `wo` under uniform light of 1, as flux (η² multiplied back), by 3D R-sequence points.
 fn furnace(bsdf: &Bsdf, wo: Vec3, points: u32) -> Vec3 {
@@ -86,6 +86,56 @@ fn lossless_surfaces_return_all_light() {
                 };
                 assert_returns(&format!("sheet {alpha}"), &Bsdf::RoughThinGlass(sheet), cos, 0.99, 1.01);
             }
+        }
+    }
+}
+
+/// Without compensation lossless facets return what the tables say of a single scattering, and no base makes up for it.
+#[test]
+fn facets_that_scatter_once_lose_what_the_tables_say() {
+    let (w, compensated) = (Vec3::ONE, false);
+    for cos in [0.9f32, 0.45, 0.2] {
+        for alpha in [0.25, 0.5, 1.0] {
+            let ggx = ggx(alpha);
+            let (base, edge) = schlick_albedo(cos, alpha);
+            let once = base + edge;
+            assert!(once < 0.995, "nothing to lose at cos {cos}, alpha {alpha}");
+            let returns = |name: &str, b: Bsdf, all: f32| {
+                assert_returns(&format!("{name} {alpha}"), &b, cos, all - 0.01, all + 0.01);
+            };
+            returns(
+                "metal",
+                Bsdf::Metal(Metal {
+                    f0: w,
+                    ggx,
+                    compensated,
+                }),
+                once,
+            );
+            let glossy = Glossy {
+                base: w,
+                back: Vec3::ZERO,
+                coat: Coat::Dielectric { eta: 1.5 },
+                ggx,
+                compensated,
+            };
+            returns("glossy", Bsdf::Glossy(glossy), once);
+            let sheet = RoughThinGlass {
+                color: w,
+                f0: w * 0.04,
+                f90: 1.0,
+                ggx,
+                compensated,
+            };
+            returns("sheet", Bsdf::RoughThinGlass(sheet), once);
+            let glass = RoughGlass {
+                color: w,
+                eta: 1.5,
+                ggx,
+                fresnel: EXACT,
+                compensated,
+            };
+            returns("glass", Bsdf::RoughGlass(glass), solid_albedo(cos, alpha, 1.5));
         }
     }
 }

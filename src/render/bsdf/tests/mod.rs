@@ -34,6 +34,64 @@ fn finish() -> Finish {
     }
 }
 
+/// Models with approximations, which keep the contract all the same.
+fn approximate(color: Vec3) -> [(String, Bsdf); 6] {
+    let ggx = ggx(0.4);
+    let (fresnel, compensated, eta) = (FresnelModel::Schlick, false, 1.5);
+    let models = [
+        ("schlick's glass", Bsdf::Glass(Glass { color, eta, fresnel })),
+        (
+            "rough glass by schlick",
+            Bsdf::RoughGlass(RoughGlass {
+                color,
+                eta,
+                ggx,
+                fresnel,
+                compensated: true,
+            }),
+        ),
+        (
+            "rough glass scattering once",
+            Bsdf::RoughGlass(RoughGlass {
+                color,
+                eta: 1.0 / 1.5,
+                ggx,
+                fresnel,
+                compensated,
+            }),
+        ),
+        (
+            "rough sheet scattering once",
+            Bsdf::RoughThinGlass(RoughThinGlass {
+                color,
+                f0: Vec3::splat(0.04),
+                f90: 1.0,
+                ggx,
+                compensated,
+            }),
+        ),
+        (
+            "glossy scattering once",
+            Bsdf::Glossy(Glossy {
+                base: color,
+                back: Vec3::ZERO,
+                coat: Coat::Dielectric { eta },
+                ggx,
+                compensated,
+            }),
+        ),
+        (
+            "metal scattering once",
+            Bsdf::Metal(Metal {
+                f0: color,
+                ggx,
+                compensated,
+            }),
+        ),
+    ];
+    models.map(|(name, bsdf)| (name.to_owned(), bsdf))
+}
+
 /// Every model, coloured, at several roughnesses.
 fn coloured() -> Vec<(String, Bsdf)> {
     let c = Vec3::new(0.9, 0.5, 0.2);
@@ -175,6 +233,7 @@ fn coloured() -> Vec<(String, Bsdf)> {
             ));
         }
     }
+    all.extend(approximate(c));
     let brushed = Metal {
         compensated: true,
         f0: c,

@@ -6,6 +6,7 @@ use crate::math::stats::Pcg;
 use crate::render::accel::scene::Instructions;
 use crate::render::ray::{PrimRef, Ray};
 use crate::render::shape::Shape;
+use crate::render::technique::{BuildPreset, Choice};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// Oracle: every primitive tested, no boxes.
@@ -50,6 +51,25 @@ fn agrees_with_brute_force(geometry: &mut Geometry, seed: u64, rays: usize, reac
         }
     }
     assert!(hits > rays / 20, "only {hits} of {rays} rays hit anything");
+}
+
+/// The trees differ, what they find does not; brute force judges.
+#[test]
+fn trees_of_all_presets_agree_with_brute_force() {
+    let mut trees = Vec::new();
+    for (preset, word, _) in BuildPreset::ALL {
+        let mesh = soup(&mut Pcg::new(31), 3000, 0.1);
+        let objects = vec![GeomObject::new(Shape::mesh(0, DAffine3::IDENTITY), 0)];
+        let mut geometry = Geometry::build_as(*preset, objects, vec![mesh]);
+        agrees_with_brute_force(&mut geometry, 32, 200, 1.0);
+        trees.push((word, format!("{:?}", geometry.tree)));
+    }
+    for (i, (word, tree)) in trees.iter().enumerate() {
+        assert!(
+            trees[i + 1..].iter().all(|(_, other)| other != tree),
+            "{word} builds no tree of its own"
+        );
+    }
 }
 
 #[test]

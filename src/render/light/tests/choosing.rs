@@ -3,6 +3,7 @@
 use super::*;
 use crate::math::stats::Pcg;
 use crate::math::warp::uniform_sphere;
+use crate::render::technique::{Choice, LightPick};
 
 fn cloud(n: u32, seed: u64) -> Vec<Light> {
     let mut rng = Pcg::new(seed);
@@ -98,8 +99,9 @@ fn probabilities_sum_to_one_or_to_the_chance_of_a_light() {
 /// Oracle: even numbers from 0 to 1 are counted.
 #[test]
 fn stated_probabilities_are_the_realised_ones() {
-    for lights in [mixture(), cloud(50, 9), mixture().split_off(20)] {
-        let set = LightSet::new(lights);
+    let trees = [mixture(), cloud(50, 9), mixture().split_off(20)].map(LightSet::new);
+    let fixed = [LightPick::Power, LightPick::Uniform].map(|pick| LightSet::with_pick(mixture(), pick, None));
+    for set in trees.into_iter().chain(fixed) {
         for at in receivers(6, 14) {
             let k = 1 << 18;
             let mut counts = vec![0u32; set.len()];
@@ -123,8 +125,11 @@ fn stated_probabilities_are_the_realised_ones() {
 /// What contributes anywhere on a light must have a probability.
 #[test]
 fn no_contributing_light_is_starved() {
-    for lights in [mixture(), cloud(300, 10)] {
-        let set = LightSet::new(lights.clone());
+    let sets = LightPick::ALL.iter().flat_map(|(pick, ..)| {
+        let make = |lights: Vec<Light>| (LightSet::with_pick(lights.clone(), *pick, None), lights);
+        [make(mixture()), make(cloud(300, 10))]
+    });
+    for (set, lights) in sets {
         let single: Vec<LightSet> = lights.iter().map(|l| LightSet::new(vec![l.clone()])).collect();
         let mut rng = Pcg::new(44);
         for at in receivers(60, 15) {
@@ -139,6 +144,42 @@ fn no_contributing_light_is_starved() {
                 }
             }
         }
+    }
+}
+
+/// Of two spheres the one with twice the radius and three times the radiance has twelve times the power; the sun and the
+/// sky have that which reaches the box they are told of. Even choice asks only whether there is light at all.
+#[test]
+fn fixed_choices_are_by_power_or_even() {
+    let bright = |r: f64, l: f32| match sphere(DVec3::new(r * 3.0, 1.0, 0.0), r) {
+        Light::Sphere(s) => Light::Sphere(SphereLight {
+            radiance: Vec3::splat(l),
+            two_sided: false,
+            ..s
+        }),
+        other => other,
+    };
+    let sky = |l: f32| Light::Environment(Box::new(EnvironmentLight::Constant(Vec3::splat(l))));
+    let lights = vec![bright(1.0, 1.0), bright(2.0, 3.0), sky(0.5), sky(0.0)];
+    // A box of diagonal 40 around everything: radius 20.
+    let half = 20.0 / 3f32.sqrt();
+    let bounds = Some((Vec3::splat(-half), Vec3::splat(half)));
+    let at = &receivers(1, 3)[0];
+    let of = |pick| {
+        let set = LightSet::with_pick(lights.clone(), pick, bounds);
+        [0, 1, 2, 3].map(|i| set.probability(i, at))
+    };
+    // Flux of a sphere: π·L·4πr²; of the sky through a sphere: π·L·4πr² as well.
+    let powers = [1.0, 12.0, 0.5 * 400.0, 0.0];
+    let sum: f32 = powers.iter().sum();
+    for (found, power) in of(LightPick::Power).into_iter().zip(powers) {
+        let even = if power > 0.0 { 1.0 / 3.0 / 1024.0 } else { 0.0 };
+        let expected = power / sum * (1.0 - 1.0 / 1024.0) + even;
+        assert!((found - expected).abs() < 1e-4, "{found} instead of {expected}");
+    }
+    let third = 1.0 / 3.0;
+    for (found, expected) in of(LightPick::Uniform).into_iter().zip([third, third, third, 0.0]) {
+        assert!((found - expected).abs() < 1e-6, "{found} instead of {expected}");
     }
 }
 

@@ -1,23 +1,23 @@
 //! Runs a render: passes over tiles until a stop rule is met, then the picture.
 
+mod schedule;
+
 use super::camera::FilterSampler;
+use super::estimate::{Bounded, ErrorEstimate, Wanted};
+use super::forecast::{Forecast, Look};
 use super::kernel::{Kernel, PathStats};
 use super::picture::Channels;
 use super::pixels::Pixels;
-use super::report::{Anomalies, ErrorEstimate, Observer, Picture, Progress, Report, StopReason};
+use super::report::{Anomalies, Observer, Picture, Progress, Report, StopReason};
 use super::scene::CompiledScene;
 use super::settings::Settings;
 use super::tiles::{Misfit, Tile, Tiles};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::sync::Mutex;
+use schedule::{Clock, FIRST_LOOK, next_pass, targets};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
-
-/// No pass is longer than this, so that interruptions and time limits are met.
-const LONGEST_PASS: u32 = 1024;
-/// The first look at the error.
-const FIRST_LOOK: u32 = 64;
 
 /// Where to begin, and where to keep what has been done.
 #[derive(Default)]
@@ -91,34 +91,37 @@ fn render_tiles(
         samples_before: tiles.all.iter().map(before).sum(),
         samples: AtomicU64::new(0),
         stopped: AtomicBool::new(false),
-        error: Mutex::new(None),
+        seen: Mutex::new(Seen::default()),
         checkpoint: checkpoint.map(|c| c.every),
         saved: Mutex::new(begun),
         save_due: AtomicBool::new(false),
     };
     let mut spp = kept;
     // An interruption may have left a pass half done: that pass comes first.
-    let mut half_done = (most > kept).then_some(most);
+    let mut half_done = (most > kept && !settings.technique.adaptive).then_some(most);
     let stop = loop {
         if let Some(found) = run.look(&tiles, spp) {
             run.tell(spp);
-            if settings.stop.error.is_some_and(|goal| found.bound <= goal) {
-                break StopReason::Error;
+            if let Some(reason) = reached(settings, &found) {
+                break reason;
             }
         }
-        let Some(end) = half_done.take().or_else(|| run.next_pass(spp)) else {
+        let Some(end) = half_done.take().or_else(|| next_pass(settings, spp, run.clock(spp))) else {
             break if spp >= settings.stop.spp {
                 StopReason::Samples
             } else {
                 StopReason::Time
             };
         };
-        run.pass(&mut tiles, spp, end, checkpoint.map(|c| c.save));
+        let shares = run.seen().shares.clone();
+        let targets = targets(settings, &tiles, shares.as_deref(), end);
+        run.pass(&mut tiles, spp, &targets, checkpoint.map(|c| c.save));
         if run.stopped.load(Ordering::Relaxed) {
             break StopReason::Interrupted;
         }
         spp = end;
     };
+    let error = run.look(&tiles, spp);
     let stats = tiles.stats();
     let report = Report {
         stop,
@@ -126,7 +129,8 @@ fn render_tiles(
         samples: run.samples.load(Ordering::Relaxed),
         rays: stats.rays,
         seconds: begun.elapsed().as_secs_f64(),
-        error: run.look(&tiles, spp),
+        error,
+        forecast: run.seen().forecast,
         anomalies: stats.anomalies,
         clamped: stats.clamped,
     };
@@ -151,7 +155,7 @@ struct Run<'a> {
     samples_before: u64,
     samples: AtomicU64,
     stopped: AtomicBool,
-    error: Mutex<Option<(ErrorEstimate, u32)>>,
+    seen: Mutex<Seen>,
     /// How often the sums are kept, when they were, and whether it is time again.
     checkpoint: Option<Duration>,
     saved: Mutex<Instant>,
@@ -159,36 +163,22 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Where the next pass ends; `None` when the samples or the time are used up. Passes double, so that the
-    /// first pictures come early; with an error goal they end at the looks 64, 80, 96, 112, 128, 160, …
-    fn next_pass(&self, spp: u32) -> Option<u32> {
-        let stop = &self.settings.stop;
-        if spp >= stop.spp {
-            return None;
-        }
-        let wanted = if spp == 0 {
-            1
-        } else if stop.seconds.is_some() && spp == self.kept {
-            spp.saturating_add(1) // the first pass after a pause tells how long a sample takes
-        } else if stop.error.is_some() && spp >= FIRST_LOOK {
-            let octave = 1u32 << spp.ilog2();
-            spp.saturating_add(octave / 4)
-        } else {
-            spp.saturating_mul(2)
-        };
-        let mut end = wanted.min(spp.saturating_add(LONGEST_PASS)).min(stop.spp);
-        if let Some(limit) = stop.seconds
-            && spp > self.kept
-        {
-            let left = limit - self.settings.started.elapsed().as_secs_f64() - self.writing_reserve();
-            let per_sample = self.begun.elapsed().as_secs_f64() / f64::from(spp - self.kept);
-            let fits = (left / per_sample).floor();
-            if fits < 1.0 {
-                return None;
-            }
-            end = end.min(spp.saturating_add(fits.min(f64::from(u32::MAX)) as u32));
-        }
-        Some(end)
+    /// What the time limit allows after `spp` samples; `None` without one.
+    fn clock(&self, spp: u32) -> Option<Clock> {
+        let limit = self.settings.stop.seconds?;
+        Some(Clock {
+            left: limit - self.settings.started.elapsed().as_secs_f64() - self.writing_reserve(),
+            per_sample: self.per_sample(spp),
+        })
+    }
+
+    /// Seconds that a sample of every pixel takes; `None` before the first.
+    fn per_sample(&self, spp: u32) -> Option<f64> {
+        (spp > self.kept).then(|| self.begun.elapsed().as_secs_f64() / f64::from(spp - self.kept))
+    }
+
+    fn seen(&self) -> MutexGuard<'_, Seen> {
+        self.seen.lock().unwrap_or_else(|e| e.into_inner())
     }
 
     /// Seconds kept back for estimating and writing the picture: about 0.3 µs a pixel.
@@ -196,15 +186,16 @@ impl Run<'_> {
         f64::from(self.settings.width) * f64::from(self.settings.height) * 3e-7
     }
 
-    /// Takes all samples up to number `to` of every pixel; `from` are complete. A tile is finished or left as it was.
-    fn pass(&self, tiles: &mut Tiles, from: u32, to: u32, save: Option<&dyn Fn(&Tiles)>) {
+    /// Gives each tile the samples up to its number in `targets`; `from` are complete everywhere. A tile is finished or
+    /// left as it was.
+    fn pass(&self, tiles: &mut Tiles, from: u32, targets: &[u32], save: Option<&dyn Fn(&Tiles)>) {
         loop {
-            tiles.all.par_iter_mut().for_each(|tile| {
+            tiles.all.par_iter_mut().zip(targets).for_each(|(tile, to)| {
                 let taken = tile.film.samples();
-                if taken >= to || self.stopped.load(Ordering::Relaxed) || self.save_due.load(Ordering::Relaxed) {
+                if taken >= *to || self.stopped.load(Ordering::Relaxed) || self.save_due.load(Ordering::Relaxed) {
                     return;
                 }
-                self.trace_tile(tile, to);
+                self.trace_tile(tile, *to);
                 let taken = u64::from(tile.width * tile.height) * u64::from(to - taken);
                 self.samples.fetch_add(taken, Ordering::Relaxed);
                 self.tell(from);
@@ -219,7 +210,8 @@ impl Run<'_> {
                 save.into_iter().for_each(|save| save(tiles));
                 *self.saved.lock().unwrap_or_else(|e| e.into_inner()) = Instant::now();
             }
-            if stopped || tiles.all.iter().all(|t| t.film.samples() >= to) {
+            let is_done = |(tile, to): (&Tile, &u32)| tile.film.samples() >= *to;
+            if stopped || tiles.all.iter().zip(targets).all(is_done) {
                 return;
             }
         }
@@ -280,17 +272,29 @@ impl Run<'_> {
 
     /// Estimates the error after a pass; `None` where it cannot be known.
     fn look(&self, tiles: &Tiles, spp: u32) -> Option<ErrorEstimate> {
-        if spp < FIRST_LOOK || self.settings.nets < 2 || tiles.samples() != (spp, spp) {
+        let settings = self.settings;
+        let is_complete = settings.technique.adaptive || tiles.samples() == (spp, spp);
+        if spp < FIRST_LOOK || settings.nets < 2 || !is_complete {
             return None;
         }
-        let mut last = self.error.lock().unwrap_or_else(|e| e.into_inner());
-        if let Some((found, at)) = *last
-            && at == spp
-        {
+        let mut seen = self.seen();
+        if let Some((found, _)) = seen.error.filter(|(_, at)| *at == spp) {
             return Some(found);
         }
-        let found = tiles.error(self.settings.stop.confidence);
-        *last = Some((found, spp));
+        let wanted = Wanted {
+            worst: settings.stop.error_max.is_some(),
+            display: settings
+                .display
+                .as_ref()
+                .filter(|_| settings.stop.error_display.is_some()),
+        };
+        let (found, shares) = tiles.error(wanted, settings.stop.confidence);
+        seen.looks.push(Look::new(f64::from(spp), &found));
+        let per_sample = self.per_sample(spp).unwrap_or(f64::NAN);
+        seen.forecast = Forecast::from_looks(&seen.looks, per_sample, distance(settings, &found));
+        seen.at = self.begun.elapsed().as_secs_f64();
+        seen.error = Some((found, spp));
+        seen.shares = Some(shares);
         Some(found)
     }
 
@@ -301,14 +305,17 @@ impl Run<'_> {
         let at_most = pixels * u64::from(stop.spp) - self.samples_before;
         let elapsed = self.begun.elapsed().as_secs_f64();
         let since_start = self.settings.started.elapsed().as_secs_f64();
-        let error = self
-            .error
-            .lock()
-            .unwrap_or_else(|e| e.into_inner())
-            .map(|(e, at)| (e, at));
+        let seen = self.seen();
+        let (error, at) = (seen.error.map(|(error, _)| error), seen.at);
+        // Ranges begin at the look; time has passed since.
+        let forecast = seen.forecast.map(|f| Forecast {
+            to_goal: f.to_goal.map(|range| range.map(|t| (t - (elapsed - at)).max(0.0))),
+            ..f
+        });
+        drop(seen);
         let mut fraction = samples as f64 / at_most.max(1) as f64;
         let mut remaining = if samples > 0 {
-            elapsed / samples as f64 * (at_most - samples) as f64
+            elapsed / samples as f64 * at_most.saturating_sub(samples) as f64
         } else {
             f64::NAN
         };
@@ -316,12 +323,10 @@ impl Run<'_> {
             fraction = fraction.max(since_start / limit);
             remaining = remaining.min(limit - since_start);
         }
-        if let (Some(goal), Some((found, at))) = (stop.error, error) {
-            // Noise falls like the square root of the samples; better than that is a gift.
-            let ratio = found.bound / goal;
-            let needed = f64::from(at) * ratio * ratio * pixels as f64 - self.samples_before as f64;
-            fraction = fraction.max((samples as f64 / needed).clamp(0.0, 0.99));
-            remaining = remaining.min(elapsed / samples as f64 * (needed - samples as f64).max(0.0));
+        if let Some([from, to]) = forecast.and_then(|f| f.to_goal) {
+            let left = (from * to).sqrt();
+            fraction = fraction.max((elapsed / (elapsed + left)).min(0.99));
+            remaining = remaining.min(left);
         }
         self.observer.progress(&Progress {
             spp,
@@ -330,9 +335,56 @@ impl Run<'_> {
             fraction: fraction.clamp(0.0, 1.0),
             elapsed: since_start,
             remaining: remaining.is_finite().then_some(remaining.max(0.0)),
-            error: error.map(|(e, _)| e),
+            error,
+            forecast,
         });
     }
+}
+
+/// What the looks at the error have shown.
+#[derive(Default)]
+struct Seen {
+    /// The last estimate, and at how many samples per pixel.
+    error: Option<(ErrorEstimate, u32)>,
+    looks: Vec<Look>,
+    forecast: Option<Forecast>,
+    /// Seconds of rendering at the last look.
+    at: f64,
+    /// E² summed over each tile's pixels.
+    shares: Option<Vec<f64>>,
+}
+
+/// Each error goal, what its bound is, and what reaching it is called.
+fn goals(settings: &Settings, found: &ErrorEstimate) -> [(Option<f64>, Option<Bounded>, StopReason); 3] {
+    let stop = &settings.stop;
+    let error = Bounded {
+        value: found.error,
+        bound: found.bound,
+    };
+    [
+        (stop.error, Some(error), StopReason::Error),
+        (stop.error_max, found.worst, StopReason::ErrorMax),
+        (stop.error_display, found.display, StopReason::ErrorDisplay),
+    ]
+}
+
+/// The first goal that is reached.
+fn reached(settings: &Settings, found: &ErrorEstimate) -> Option<StopReason> {
+    let is_reached = |(goal, now, _): &(Option<f64>, Option<Bounded>, StopReason)| {
+        goal.zip(*now).is_some_and(|(goal, now)| now.bound <= goal)
+    };
+    goals(settings, found)
+        .into_iter()
+        .find(is_reached)
+        .map(|(.., reason)| reason)
+}
+
+/// How many times too large the bound of the nearest goal is; `None` without goals.
+fn distance(settings: &Settings, found: &ErrorEstimate) -> Option<f64> {
+    let ratios = goals(settings, found)
+        .into_iter()
+        .filter_map(|(goal, now, _)| Some(now?.bound / goal?));
+    ratios.reduce(f64::min)
 }
 
 impl PathStats {
