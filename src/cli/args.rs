@@ -12,7 +12,7 @@ mod study;
 
 pub use parts::{MergeArgs, PartArgs};
 pub use sampling::SamplingArgs;
-pub use study::{Ladder, STUDY_EXIT_CODES, StudyArgs};
+pub use study::{STUDY_EXIT_CODES, StudyArgs};
 
 /// A path tracer for scenes written as text (POV-Ray's language, grown), glTF and OBJ, with honest error figures.
 ///

@@ -175,7 +175,6 @@ impl Value {
 /// Why an axis cannot matter for a scene.
 fn useless(axis: &str, uses: &Uses) -> Option<&'static str> {
     let (matters, why) = match axis {
-        "adaptive" => (false, "this version does not do it yet"),
         "direct" => (uses.hittable_lights, "no light of the scene can be hit by a ray"),
         "lights" => (uses.lights > 1, "the scene has no more than one light"),
         "fresnel" => (uses.dielectrics, "no surface of the scene is a dielectric"),
@@ -237,7 +236,6 @@ mod tests {
         let useless: Vec<&str> = axes.iter().filter(|a| a.useless.is_some()).map(|a| a.name).collect();
         let expected = [
             "direct",
-            "adaptive",
             "lights",
             "fresnel",
             "multiple-scattering",

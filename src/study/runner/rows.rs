@@ -72,13 +72,19 @@ impl<'a> Rows<'a> {
                 }
                 None => ladder::next(last, &active, &self.costs, self.request.seeds, left),
             };
-            let Some(level) = level else { break };
+            let Some(mut level) = level else { break };
             self.tell_dropped(&active, &level);
+            let waits = |v: &usize| self.treatments.get(*v).is_some_and(|t| t.least_spp() > level.spp);
+            let waiting: Vec<usize> = level.variants.iter().copied().filter(waits).collect();
+            level.variants.retain(|v| !waiting.contains(v));
             if self.step(&level, workshop, watch)? {
                 return Ok(true);
             }
             let done = |v: &usize| self.rows.iter().any(|r| r.variant == *v && r.spp == level.spp);
             active = level.variants.iter().copied().filter(done).collect();
+            if !active.is_empty() {
+                active.extend(waiting);
+            }
             last = Some(level.spp);
             if active.is_empty() {
                 break;
@@ -213,7 +219,12 @@ impl<'a> Rows<'a> {
         for (v, treatment) in self.treatments.iter().enumerate() {
             let mut own: Vec<Row> = self.rows.iter().filter(|r| r.variant == v).cloned().collect();
             if own.is_empty() {
-                self.notes.push(format!("{}: not measured", name(&treatment.variant)));
+                let why = match treatment.least_spp() {
+                    1 => String::new(),
+                    least => format!(", since it differs from the base line only from {least} samples per pixel on"),
+                };
+                self.notes
+                    .push(format!("{}: not measured{why}", name(&treatment.variant)));
                 continue;
             }
             own.sort_by_key(|r| (r.spp, r.seed));

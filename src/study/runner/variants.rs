@@ -1,6 +1,7 @@
 //! Which ways to render a study tries.
 
 use super::{AxisChoice, Request};
+use crate::render::driver::FIRST_LOOK;
 use crate::render::technique::Technique;
 use crate::study::axes::{self, Axis};
 use crate::study::experiment::{Kind, Variant};
@@ -15,6 +16,14 @@ pub struct Treatment {
     pub technique: Technique,
     /// On how many threads; `None` for all.
     pub threads: Option<usize>,
+}
+
+impl Treatment {
+    /// Samples per pixel from which on it differs from the base line: adaptive sampling begins after the first look at
+    /// the noise.
+    pub fn least_spp(&self) -> u32 {
+        if self.technique.adaptive { FIRST_LOOK + 1 } else { 1 }
+    }
 }
 
 /// Compiling all variants that need it may take this share of the budget.
