@@ -171,6 +171,15 @@ fn forecast(story: &Story, stop: usize, goal: f64) -> Option<f64> {
     Some((from * to).sqrt() / (end - f64::from(now.spp)))
 }
 
+/// A run that stopped.
+struct Stop {
+    kept: bool,
+    samples: f64,
+    needed: f64,
+    foretold: Option<f64>,
+    doubtful: bool,
+}
+
 fn scores(kind: &str, seeds: u64, nets: u32, goals: &[f64], cap: u32) -> Vec<Score> {
     let ready = scenes::ready(&format!("tests/calibration/{kind}.pts"), &[], SIZE);
     let least = goals.iter().copied().fold(f64::INFINITY, f64::min);
@@ -178,7 +187,7 @@ fn scores(kind: &str, seeds: u64, nets: u32, goals: &[f64], cap: u32) -> Vec<Sco
         .into_par_iter()
         .map(|seed| tell(&ready, 1000 + seed, nets, least, cap))
         .collect();
-    let judged: Vec<Vec<Option<(bool, f64, f64, Option<f64>, bool)>>> = (0..stories.len())
+    let judged: Vec<Vec<Option<Stop>>> = (0..stories.len())
         .into_par_iter()
         .map(|i| {
             let (story, truth) = (&stories[i], truth_without(&stories, i));
@@ -187,13 +196,13 @@ fn scores(kind: &str, seeds: u64, nets: u32, goals: &[f64], cap: u32) -> Vec<Sco
                 let stop = story.sights.iter().position(|s| s.bound <= *goal)?;
                 let needed = errors.iter().position(|e| e <= goal).unwrap_or(stop);
                 let sight = &story.sights[stop];
-                Some((
-                    errors[stop] <= *goal,
-                    f64::from(sight.spp),
-                    f64::from(story.sights[needed].spp),
-                    forecast(story, stop, *goal),
-                    sight.doubtful,
-                ))
+                Some(Stop {
+                    kept: errors[stop] <= *goal,
+                    samples: f64::from(sight.spp),
+                    needed: f64::from(story.sights[needed].spp),
+                    foretold: forecast(story, stop, *goal),
+                    doubtful: sight.doubtful,
+                })
             };
             goals.iter().map(judge).collect()
         })
@@ -203,13 +212,13 @@ fn scores(kind: &str, seeds: u64, nets: u32, goals: &[f64], cap: u32) -> Vec<Sco
             runs: stories.len(),
             ..Score::default()
         };
-        for (kept, samples, needed, foretold, doubtful) in judged.iter().filter_map(|j| j[g]) {
+        for stop in judged.iter().filter_map(|j| j[g].as_ref()) {
             score.stopped += 1;
-            score.kept += usize::from(kept);
-            score.samples += samples;
-            score.needed += needed;
-            score.doubtful += usize::from(doubtful);
-            score.foretold.extend(foretold);
+            score.kept += usize::from(stop.kept);
+            score.samples += stop.samples;
+            score.needed += stop.needed;
+            score.doubtful += usize::from(stop.doubtful);
+            score.foretold.extend(stop.foretold);
         }
         score.foretold.sort_by(f64::total_cmp);
         score
@@ -305,6 +314,49 @@ fn calibration_in_full() {
     for kind in kinds.split(',') {
         for (goal, score) in goals.iter().zip(scores(kind, seeds, nets, &goals, cap)) {
             println!("{}", line(kind, *goal, &score));
+        }
+    }
+}
+
+/// What nets cost: the variance of R nets over that of one, at equal samples.
+#[test]
+#[ignore = "takes minutes"]
+fn the_price_of_nets() {
+    let seeds: u64 = number("PTS_SEEDS", 24);
+    println!("| scene | samples | E with 1 net | 4 nets | 8 nets | 16 nets |\n|---|---|---|---|---|---|");
+    for kind in KINDS {
+        let ready = scenes::ready(&format!("tests/calibration/{kind}.pts"), &[], SIZE);
+        for spp in [64, 256, 1024] {
+            let square = [1, 4, 8, 16].map(|nets| {
+                let shots: Vec<Story> = (0..seeds)
+                    .into_par_iter()
+                    .map(|seed| {
+                        let settings = Settings {
+                            seed: 5000 + seed,
+                            nets,
+                            ..Settings::new(SIZE[0], SIZE[1], spp)
+                        };
+                        let (picture, _) = driver::render(&ready.compiled, &settings, &Silent);
+                        let sight = Sight {
+                            spp,
+                            error: 0.0,
+                            bound: 0.0,
+                            doubtful: false,
+                            rgb: picture.rgb,
+                        };
+                        Story { sights: vec![sight] }
+                    })
+                    .collect();
+                let errors = (0..shots.len()).into_par_iter();
+                let squares = errors.map(|i| truth_without(&shots, i).error_of(&shots[i].sights[0].rgb).powi(2));
+                squares.sum::<f64>() / seeds as f64
+            });
+            let price = [1, 2, 3].map(|i| format!("{:.2}", square[i] / square[0]));
+            println!(
+                "| {kind} | {spp} | {:.1} % | {} |",
+                100.0 * square[0].sqrt(),
+                price.join(" | ")
+            );
         }
     }
 }

@@ -336,6 +336,21 @@ mod tests {
     }
 
     #[test]
+    fn pixels_outside_of_a_region_do_not_change_the_relative_error() {
+        let picture = |pixels: usize| Picture {
+            width: pixels as u32,
+            height: 1,
+            rgb: [vec![[0.5; 3]], vec![[0.0; 3]; pixels - 1]].concat(),
+            stderr: [vec![[0.1; 3]], vec![[f32::NAN; 3]; pixels - 1]].concat(),
+            samples: [vec![64], vec![0; pixels - 1]].concat(),
+            ..Picture::default()
+        };
+        let [alone, among] = [1, 9].map(|pixels| relative_error(&picture(pixels)));
+        assert_eq!(alone[0], among[0]);
+        assert!(among[1..].iter().all(|e| e.is_nan()));
+    }
+
+    #[test]
     fn a_black_image_without_error_has_no_relative_error() {
         let picture = Picture {
             width: 1,

@@ -176,7 +176,7 @@ mod tests {
     fn normals_and_albedo_are_colours() {
         let layers = Layers {
             normal: Some(vec![[1.0, 0.0, -1.0]]),
-            albedo: Some(vec![[0.214_041, 1.0, 0.0]]),
+            albedo: Some(vec![[0.215_86, 1.0, 0.0]]),
             ..Layers::from_rgb(1, 1, vec![[0.0; 3]])
         };
         assert_eq!(bytes(&view(ViewKind::Normal, &layers).unwrap()), [255, 128, 0]);

@@ -2,7 +2,8 @@
 //!
 //! E falls like n⁻ᵃ. Plain Monte Carlo has a = ½; nets do better where the picture is smooth, and an estimate that
 //! still weighs rare finds too much falls faster too. The exponent is fitted to the looks of the last two octaves,
-//! drawn towards ½ by what is known beforehand.
+//! drawn towards ½ by what is known beforehand, and half of what it differs from ½ is believed to last: on the
+//! calibration scenes fast falls slow down.
 
 use super::estimate::ErrorEstimate;
 use crate::math::portable::{exp_f64 as exp, ln_f64 as ln};
@@ -11,6 +12,9 @@ use crate::math::portable::{exp_f64 as exp, ln_f64 as ln};
 const EXPONENT: f64 = 0.5;
 const EXPONENT_SD: f64 = 0.2;
 const EXPONENTS: [f64; 2] = [0.35, 1.2];
+/// The share of an exponent's deviation from ½ that lasts, and how far that is off.
+const LASTING: f64 = 0.5;
+const LASTING_SD: f64 = 0.05;
 /// Two-sided confidence 90 %.
 const Z: f64 = 1.645;
 /// No forecast is closer than this factor: looks are discrete, and machines have other things to do.
@@ -101,7 +105,8 @@ fn exponent(looks: &[Look], uncertainty: f64) -> (f64, f64) {
         -xy / xx
     };
     let spread = (1.0 / (precision + prior)).sqrt();
-    (fitted.clamp(EXPONENTS[0], EXPONENTS[1]), spread)
+    let lasting = EXPONENT + LASTING * (fitted.clamp(EXPONENTS[0], EXPONENTS[1]) - EXPONENT);
+    (lasting, f64::hypot(LASTING * spread, LASTING_SD))
 }
 
 impl Look {
@@ -134,18 +139,20 @@ mod tests {
             .collect()
     }
 
-    /// Oracle: the law the looks follow. From n on, a goal of half the bound needs n·2^(1/a) samples.
+    /// Oracle: the law the looks follow, half of whose deviation from ½ lasts: (a + ½)/2. From n on, a goal of half the
+    /// bound needs n·2^(1/a) samples.
     #[test]
     fn the_law_behind_the_looks_is_found() {
-        for a in [0.45, 0.5, 0.75, 1.0] {
-            let looks = looks(a, 13);
+        for fall in [0.45, 0.5, 0.75, 1.0] {
+            let looks = looks(fall, 13);
+            let a = 0.5 * (fall + 0.5);
             let now = looks[12];
             let found = Forecast::from_looks(&looks, 0.01, Some(2.0)).unwrap();
             assert!((found.exponent / a - 1.0).abs() < 0.03, "{} for {a}", found.exponent);
             let truth = 0.01 * now.spp * (2f64.powf(1.0 / a) - 1.0);
             let [from, to] = found.to_goal.unwrap();
             assert!(
-                from < truth && truth < to && to < 2.0 * from,
+                from < truth && truth < to && to < 2.5 * from,
                 "{from}..{to} for {truth}"
             );
             assert!(
@@ -165,7 +172,7 @@ mod tests {
         let found = Forecast::from_looks(&looks(1.0, 2), 0.01, None).unwrap();
         let span = core::f64::consts::LN_2 / 4.0;
         let (slope, prior) = (span * span / (1.5 * 0.02 * 0.02), 25.0);
-        let want = (slope * 1.0 + prior * 0.5) / (slope + prior);
+        let want = 0.25 + 0.5 * (slope * 1.0 + prior * 0.5) / (slope + prior);
         assert!(
             (found.exponent / want - 1.0).abs() < 1e-9,
             "{} instead of {want}",

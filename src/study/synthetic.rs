@@ -121,7 +121,7 @@ pub fn with(entries: Vec<Entry>) -> Study {
         command: "pts study cornell.pts --budget 10m --error 2%".to_owned(),
 
         scene_flags: String::new(),
-        version: "pts 0.1.0 (1a42351)".to_owned(),
+        version: "0.1.0 (1a42351)".to_owned(),
         processor: "AMD EPYC 7763 64-Core Processor".to_owned(),
         threads: 8,
         seconds: 612.0,

@@ -186,7 +186,7 @@ fn json_row(row: &Row) -> Value {
 pub fn markdown(study: &Study) -> String {
     let [width, height] = study.size;
     let mut sections = vec![format!(
-        "# Error against time: {}\n\n{width} × {height} pixels, {} threads, {}, {}. Made in {} by\n\n    {}",
+        "# Error against time: {}\n\n{width} × {height} pixels, {} threads, {}, pts {}. Made in {} by\n\n    {}",
         inline(&study.scene),
         study.threads,
         inline(&study.processor),

@@ -54,7 +54,7 @@ pub fn page(study: &Study) -> Page {
         left: label_room(chart.error),
         shapes: Vec::new(),
     };
-    let title = format!("Error against time: {}", study.scene);
+    let title = format!("Error against time: {}", file_name(&study.scene));
     page.words(&title, TITLE_SIZE, true);
     page.words(&subtitle(study), SIZE, false);
     page.y += 0.5 * SIZE;
@@ -75,6 +75,12 @@ pub fn page(study: &Study) -> Page {
         description: description(&chart),
         shapes: page.shapes,
     }
+}
+
+/// The scene without its folders.
+fn file_name(scene: &str) -> &str {
+    let name = std::path::Path::new(scene).file_name().and_then(|name| name.to_str());
+    name.unwrap_or(scene)
 }
 
 /// Where plots begin: right of the axis's name and its widest label.
@@ -115,7 +121,7 @@ fn subtitle(study: &Study) -> String {
     };
     let [width, height] = study.size;
     format!(
-        "{width} × {height} pixels · {threads} · {} · {}",
+        "{width} × {height} pixels · {threads} · {} · pts {}",
         study.processor, study.version
     )
 }
