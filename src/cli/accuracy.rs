@@ -1,6 +1,6 @@
 //! How errors, goals and forecasts are told, as text and as JSON.
 
-use super::format::{duration, percent};
+use super::format::{duration, percent, rough_duration};
 use crate::render::estimate::Bounded;
 use crate::render::report::{ErrorEstimate, Forecast, Progress, StopReason};
 use crate::render::settings::StopRules;
@@ -53,11 +53,15 @@ fn steps(n: f64) -> String {
 pub fn outlook(forecast: &Forecast, missed: bool) -> String {
     let mut text = format!(
         "half the error takes about {} more; ten times the time gives about {}",
-        duration(forecast.halving),
+        rough_duration(forecast.halving),
         percent(forecast.tenfold)
     );
     if let Some([from, to]) = forecast.to_goal.filter(|_| missed) {
-        text += &format!("; the goal needs {} to {} more", duration(from), duration(to));
+        text += &format!(
+            "; the goal needs {} to {} more",
+            rough_duration(from),
+            rough_duration(to)
+        );
     }
     text
 }
@@ -70,10 +74,10 @@ pub fn remaining(progress: &Progress) -> Option<String> {
         (Some([from, to]), Some(left)) if left < from => Some(format!(
             "{} left, the goal needs {} to {}",
             duration(left),
-            duration(from),
-            duration(to)
+            rough_duration(from),
+            rough_duration(to)
         )),
-        (Some([from, to]), _) => Some(format!("goal in {} to {}", duration(from), duration(to))),
+        (Some([from, to]), _) => Some(format!("goal in {} to {}", rough_duration(from), rough_duration(to))),
         (None, _) => left,
     }
 }

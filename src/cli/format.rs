@@ -44,6 +44,18 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
+/// A time that is only foreseen, with two digits: `0.42 s`, `34 s`, `12 min`, `4.1 h`, `3.2 days`.
+pub fn rough_duration(seconds: f64) -> String {
+    let units = [(86_400.0, "days"), (3600.0, "h"), (60.0, "min")];
+    let unit = units.into_iter().find(|(size, _)| seconds >= 1.5 * size);
+    let (size, name) = unit.unwrap_or((1.0, "s"));
+    match seconds / size {
+        n if n >= 9.95 => format!("{n:.0} {name}"),
+        n if n >= 0.995 || n == 0.0 => format!("{n:.1} {name}"),
+        n => format!("{n:.2} {name}"),
+    }
+}
+
 /// `312 ns`, `4.56 µs`, `7.89 ms`, `1.23 s`: three digits of a time in nanoseconds.
 pub fn nanoseconds(ns: f64) -> String {
     let (scaled, unit) = [(1e9, "s"), (1e6, "ms"), (1e3, "µs")]
@@ -124,5 +136,22 @@ mod tests {
         assert_eq!(shell_word("a b"), "'a b'");
         assert_eq!(shell_word("it's"), r"'it'\''s'");
         assert_eq!(shell_word(""), "''");
+    }
+
+    #[test]
+    fn foreseen_times_have_two_digits() {
+        for (seconds, text) in [
+            (0.0, "0.0 s"),
+            (0.42, "0.42 s"),
+            (8.04, "8.0 s"),
+            (89.0, "89 s"),
+            (91.0, "1.5 min"),
+            (720.0, "12 min"),
+            (5399.0, "90 min"),
+            (14_826.0, "4.1 h"),
+            (276_480.0, "3.2 days"),
+        ] {
+            assert_eq!(rough_duration(seconds), text);
+        }
     }
 }

@@ -133,7 +133,10 @@ fn line(progress: &Progress, rendering: Duration) -> String {
     parts.push(format::duration(progress.elapsed));
     parts.extend(accuracy::remaining(progress));
     if let Some(forecast) = &progress.forecast {
-        parts.push(format!("[half the error: +{}]", format::duration(forecast.halving)));
+        parts.push(format!(
+            "[half the error: +{}]",
+            format::rough_duration(forecast.halving)
+        ));
     }
     let seconds = rendering.as_secs_f64();
     if seconds > 0.0 {
