@@ -2,11 +2,11 @@
 
 use super::accuracy::error_to_json;
 use super::args::RenderArgs;
-use super::format::grouped;
 use super::plan::Goal;
 use super::replay;
 use crate::files::Files;
 use crate::math::fnv::Fnv;
+use crate::math::words::grouped;
 use crate::render::report::{Report, StopReason};
 use crate::render::settings::{Filter, Settings};
 use crate::render::technique::Choice;

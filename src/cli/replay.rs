@@ -1,8 +1,8 @@
 //! The command line that makes the same picture again, bit by bit.
 
 use super::args::{LoadArgs, RenderArgs, ViewArgs};
-use super::format::shell_word;
 use super::metadata::filter_word;
+use crate::math::words::shell_word;
 use crate::render::settings::{Region, Settings};
 use crate::render::technique::Technique;
 use clap::ValueEnum;
