@@ -90,6 +90,11 @@ fn every_rule_is_named_and_its_picture_can_be_made_again() {
         (SKY, "--error 4%", "stopped at the error goal of 4 %\n"),
         (
             SKY,
+            "--error 4% --confidence 99.9",
+            "stopped at the error goal of 4 %\n",
+        ),
+        (
+            SKY,
             "--error-max 10%",
             "stopped at the goal of 10 % for 99 % of the pixels\n",
         ),

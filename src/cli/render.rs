@@ -291,7 +291,7 @@ fn conclude(
         drop(tiles);
         let picture = Finished::new(picture, &args.output, job.develop);
         let describe = |format: Format| {
-            // Only OpenEXR files tell the time, so that two runs give the same PNG byte by byte.
+            // Only OpenEXR files tell how it went, so that what is told to make it again gives the same PNG byte by byte.
             metadata::describe(args, &job.hash, &job.settings, &job.goal, report, format == Format::Exr)
         };
         let (written, images_done) = outputs::write_all(&targets.images, &picture, describe, console);
