@@ -42,7 +42,7 @@ pub fn rough_duration(seconds: f64) -> String {
     with_digits(seconds, 2)
 }
 
-/// `312 ns`, `85 µs`, `120 ms`, `1.5 s`, `2.5 min`, `3.2 h`: three digits.
+/// `312 ns`, `85 µs`, `120 ms`, `1.5 s`, `2.5 min`, `3.2 h`, `4.5 days`: three digits.
 pub fn duration(seconds: f64) -> String {
     with_digits(seconds, 3)
 }
@@ -57,7 +57,8 @@ fn with_digits(seconds: f64, digits: i32) -> String {
         s if s < 0.9995e-3 => (1e-6, "µs"),
         s if s < 0.9995 => (1e-3, "ms"),
         s if s < 5997.0 => (60.0, "min"),
-        _ => (3600.0, "h"),
+        s if s < 172_800.0 => (3600.0, "h"),
+        _ => (86_400.0, "days"),
     };
     format!("{} {unit}", significant(seconds / size, digits))
 }
@@ -158,6 +159,7 @@ mod tests {
             (75.0, "75 s"),
             (150.0, "2.5 min"),
             (9000.0, "2.5 h"),
+            (400_000.0, "4.63 days"),
             (f64::INFINITY, "unknown"),
         ] {
             assert_eq!(duration(seconds), text);

@@ -14,7 +14,7 @@ const EXPONENT_SD: f64 = 0.2;
 const EXPONENTS: [f64; 2] = [0.35, 1.2];
 /// The share of an exponent's deviation from ½ that lasts, and how far that is off.
 const LASTING: f64 = 0.5;
-const LASTING_SD: f64 = 0.05;
+const LASTING_SD: f64 = 0.03;
 /// Two-sided confidence 90 %.
 const Z: f64 = 1.645;
 /// No forecast is closer than this factor: looks are discrete, and machines have other things to do.

@@ -26,11 +26,16 @@ pub struct Cost {
     pub fixed: f64,
     /// Seconds for a sample of each pixel.
     pub per_sample: f64,
+    /// Samples per pixel below which there is no run.
+    pub least_spp: u32,
 }
 
 impl Cost {
-    /// Seconds of a run.
+    /// Seconds of a run; 0 where there is none.
     pub fn of(&self, spp: u32) -> f64 {
+        if spp < self.least_spp {
+            return 0.0;
+        }
         self.fixed + self.per_sample * f64::from(spp)
     }
 }
@@ -102,7 +107,11 @@ mod tests {
     use super::*;
 
     fn cost(per_sample: f64) -> Cost {
-        Cost { fixed: 0.0, per_sample }
+        Cost {
+            fixed: 0.0,
+            per_sample,
+            least_spp: 1,
+        }
     }
 
     fn left(all: f64) -> Left {
@@ -140,6 +149,16 @@ mod tests {
         let at = |seconds| next(Some(4), &[0], &costs, 5, left(seconds)).map(|l| l.spp);
         assert_eq!(at(0.81), Some(16));
         assert_eq!(at(0.79), Some(8));
+    }
+
+    #[test]
+    fn who_waits_for_more_samples_costs_nothing_meanwhile() {
+        let waiting = Cost {
+            least_spp: 65,
+            ..cost(9.0)
+        };
+        let level = next(Some(4), &[0, 1], &[cost(0.01), waiting], 5, left(2.0)).unwrap();
+        assert_eq!((level.spp, level.variants), (16, vec![0, 1]));
     }
 
     #[test]

@@ -10,9 +10,12 @@ use super::Image;
 use super::luminance;
 use super::metrics::{CompareError, mean_flip};
 
-/// Columns and rows of the blocks that the jackknife leaves out, in pixels. Ours are independent from pixel to
-/// pixel; the true error of neighbours is not, and this is about as far as it reaches in small pictures.
+/// Columns and rows of the blocks that the jackknife leaves out, in pixels. The noise of our pixels is independent from
+/// pixel to pixel; their true errors are not, and this is about as far as that reaches in small pictures.
 const BLOCK_SIDE: usize = 8;
+
+/// Fewest blocks that tell a spread; in smaller pictures blocks are halved until there are so many.
+const FEWEST_BLOCKS: usize = 16;
 
 /// Fewest pixels whose noise must be known for the rest to be judged by them.
 const KNOWN_SHARE: f64 = 0.5;
@@ -101,9 +104,11 @@ impl Yardstick {
     /// Measures a picture of the same size, whose noise must be independent of the reference's (another seed).
     pub fn measure(&self, picture: &Image) -> Result<Measured, CompareError> {
         let flip = mean_flip(picture, &self.image)?;
-        let width = self.image.width as usize;
-        let across = width.div_ceil(BLOCK_SIDE);
-        let down = (self.image.height as usize).div_ceil(BLOCK_SIDE);
+        let [width, height] = self.size().map(|side| side as usize);
+        let sides = std::iter::successors(Some(BLOCK_SIDE), |side| Some(side / 2)).take_while(|side| *side > 0);
+        let count = |side: &usize| width.div_ceil(*side) * height.div_ceil(*side);
+        let side = sides.into_iter().find(|side| count(side) >= FEWEST_BLOCKS).unwrap_or(1);
+        let (across, down) = (width.div_ceil(side), height.div_ceil(side));
         let mut blocks = vec![[0.0f64; 2]; across * down];
         let (mut light, mut non_finite) = ([0.0; 2], 0);
         for (i, (x, m)) in picture.rgb.iter().zip(&self.image.rgb).enumerate() {
@@ -121,7 +126,7 @@ impl Yardstick {
                 .map(|(x, m)| (f64::from(*x) - f64::from(*m)).powi(2))
                 .sum();
             let noise = if self.knows_noise { self.noise[i] } else { 0.0 };
-            let block = &mut blocks[i / width / BLOCK_SIDE * across + i % width / BLOCK_SIDE];
+            let block = &mut blocks[i / width / side * across + i % width / side];
             block[0] += square / 3.0 * weight - noise;
             block[1] += 1.0;
             light[0] += luminance(*x);

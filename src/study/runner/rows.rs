@@ -40,6 +40,7 @@ impl<'a> Rows<'a> {
         let cost = |t: &Treatment| Cost {
             fixed: 0.0,
             per_sample: per_sample * slower(t),
+            least_spp: t.least_spp(),
         };
         Rows {
             request,
@@ -166,6 +167,7 @@ impl<'a> Rows<'a> {
             *cost = Cost {
                 fixed: (begun.elapsed().as_secs_f64() - shot.seconds).max(0.0),
                 per_sample: shot.seconds / f64::from(spp),
+                least_spp: cost.least_spp,
             };
         }
         Ok(Some(Row {

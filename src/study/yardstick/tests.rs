@@ -124,3 +124,21 @@ fn black_pictures_agree() {
     let found = Yardstick::new(black.clone()).unwrap().measure(&black).unwrap();
     assert_eq!((found.e2, found.energy), (0.0, 1.0));
 }
+
+#[test]
+fn small_pictures_have_blocks_enough() {
+    let ramp = |n: u32| {
+        let rgb = (0..n * n).map(|i| [1.0 + i as f32 * 0.01; 3]).collect();
+        Image::from_rgb(n, n, rgb)
+    };
+    for n in [2, 4, 8, 9, 64] {
+        let flat = Image::from_rgb(n, n, vec![[1.0; 3]; (n * n) as usize]);
+        let found = Yardstick::new(flat).unwrap().measure(&ramp(n)).unwrap();
+        assert!(found.e2_se.is_finite() && found.e2_se > 0.0, "{n}: {found:?}");
+    }
+    let dot = Image::from_rgb(1, 1, vec![[1.0; 3]]);
+    assert_eq!(
+        Yardstick::new(dot.clone()).unwrap().measure(&dot).unwrap().e2_se,
+        f64::INFINITY
+    );
+}
