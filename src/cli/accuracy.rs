@@ -1,29 +1,48 @@
 //! How errors, goals and forecasts are told, as text and as JSON.
 
-use super::format::{duration, percent, rough_duration};
+use crate::math::words::{clock, percent, range, rough_duration, rough_percent, significant};
 use crate::render::estimate::Bounded;
 use crate::render::report::{ErrorEstimate, Forecast, Progress, StopReason};
 use crate::render::settings::StopRules;
 use serde_json::{Value, json};
 
-/// `error 4.1 % (≤ 4.6 %)`, the bound at the asked confidence.
+/// Seconds that are no time any more for who waits.
+const SOON: f64 = 0.1;
+
+/// `error 4.1 % (≤ 4.6 %)`, the bound at the asked confidence; then what else there are goals for:
+/// `worst pixels 12 % (≤ 14 %)`, `display 0.52 (≤ 0.55) steps`. `doubtful` where they deserve no trust.
 pub fn short(e: &ErrorEstimate) -> String {
-    format!("error {} (≤ {})", percent(e.error), percent(e.bound))
+    let mut parts = vec![format!(
+        "error {} (≤ {})",
+        rough_percent(e.error),
+        rough_percent(e.bound)
+    )];
+    if let Some(Bounded { value, bound }) = e.worst {
+        let (value, bound) = (rough_percent(value), rough_percent(bound));
+        parts.push(format!("worst pixels {value} (≤ {bound})"));
+    }
+    if let Some(Bounded { value, bound }) = e.display {
+        parts.push(format!("display {} (≤ {}) steps", steps(value), steps(bound)));
+    }
+    if e.is_doubtful() {
+        parts.push("doubtful".to_owned());
+    }
+    parts.join("  ")
 }
 
 /// The error in full: `error 4.1 %, below 4.6 % with 90 % confidence; …`, and a warning where it deserves no trust.
 pub fn full(e: &ErrorEstimate, confidence: f64) -> Vec<String> {
     let mut line = format!(
         "error {}, below {} with {} confidence",
-        percent(e.error),
-        percent(e.bound),
+        rough_percent(e.error),
+        rough_percent(e.bound),
         percent(confidence)
     );
     if let Some(worst) = &e.worst {
         line += &format!(
             "; 99 % of the pixels {}, below {}",
-            percent(worst.value),
-            percent(worst.bound)
+            rough_percent(worst.value),
+            rough_percent(worst.bound)
         );
     }
     if let Some(display) = &e.display {
@@ -33,20 +52,23 @@ pub fn full(e: &ErrorEstimate, confidence: f64) -> Vec<String> {
             steps(display.bound)
         );
     }
-    let mut lines = vec![line];
-    if e.is_doubtful() {
-        lines.push(format!(
+    std::iter::once(line).chain(doubt(e)).collect()
+}
+
+/// Why the figures deserve little trust, where they do.
+pub fn doubt(e: &ErrorEstimate) -> Option<String> {
+    e.is_doubtful().then(|| {
+        format!(
             "doubtful: {} of the error comes from rare bright finds ({} from a thousandth of the pixels); \
              the figure is rough, and light that no sample has found yet is in no figure",
-            percent(e.lonely.min(1.0)),
-            percent(e.top)
-        ));
-    }
-    lines
+            rough_percent(e.lonely.min(1.0)),
+            rough_percent(e.top)
+        )
+    })
 }
 
 fn steps(n: f64) -> String {
-    format!("{n:.2}")
+    significant(n, 2)
 }
 
 /// What more time would have brought.
@@ -54,31 +76,25 @@ pub fn outlook(forecast: &Forecast, missed: bool) -> String {
     let mut text = format!(
         "half the error takes about {} more; ten times the time gives about {}",
         rough_duration(forecast.halving),
-        percent(forecast.tenfold)
+        rough_percent(forecast.tenfold)
     );
     if let Some([from, to]) = forecast.to_goal.filter(|_| missed) {
-        text += &format!(
-            "; the goal needs {} to {} more",
-            rough_duration(from),
-            rough_duration(to)
-        );
+        text += &format!("; the goal needs {} more", range(from, to, rough_duration));
     }
     text
 }
 
-/// When a running render ends: `goal in 14 s to 25 s`, `18 s left`, or both where the goal comes too late.
+/// When a running render ends: `goal in 14–25 s`, `18 s left`, or both where the goal comes too late.
 pub fn remaining(progress: &Progress) -> Option<String> {
-    let goal = progress.forecast.and_then(|f| f.to_goal);
-    let left = progress.remaining.map(|left| format!("{} left", duration(left)));
-    match (goal, progress.remaining) {
-        (Some([from, to]), Some(left)) if left < from => Some(format!(
-            "{} left, the goal needs {} to {}",
-            duration(left),
-            rough_duration(from),
-            rough_duration(to)
-        )),
-        (Some([from, to]), _) => Some(format!("goal in {} to {}", rough_duration(from), rough_duration(to))),
-        (None, _) => left,
+    let Some([from, to]) = progress.forecast.and_then(|f| f.to_goal) else {
+        return progress.remaining.map(|left| format!("{} left", clock(left)));
+    };
+    let needed = range(from, to, rough_duration);
+    match progress.remaining {
+        Some(left) if left < from => Some(format!("{} left, the goal needs {needed}", clock(left))),
+        _ if to <= SOON => Some("goal at the next look".to_owned()),
+        _ if from <= SOON => Some(format!("goal within {}", rough_duration(to))),
+        _ => Some(format!("goal in {needed}")),
     }
 }
 

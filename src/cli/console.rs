@@ -64,6 +64,11 @@ impl Console {
         resolved != ColorChoice::Never
     }
 
+    /// Whether only warnings and errors are told as text, or less.
+    pub fn is_quiet(&self) -> bool {
+        self.quiet > 0 && !self.is_json()
+    }
+
     /// Writes one line (or several); terminal codes in it are removed where they are not wanted.
     pub fn line(&self, text: &str) {
         let mut stream = AutoStream::new(std::io::stderr().lock(), self.color);

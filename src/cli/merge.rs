@@ -5,7 +5,8 @@ use super::args::MergeArgs;
 use super::choices::Aov;
 use super::console::Console;
 use super::outputs::{self, Finished, Refusal, Targets};
-use super::{Exit, format, metadata, parts, plan, replay, signals};
+use super::{Exit, metadata, parts, plan, replay, signals};
+use crate::math::words::{percent, rough_percent};
 use crate::output::part::{Part, read_part};
 use crate::render::estimate::Wanted;
 use crate::render::kernel::PathStats;
@@ -90,8 +91,8 @@ fn merge(args: &MergeArgs, console: &Console) -> Result<Exit, Refusal> {
         args.parts.len()
     ));
     if let Some(e) = error {
-        let (error, bound) = (format::percent(e.error), format::percent(e.bound));
-        let confidence = format::percent(CONFIDENCE);
+        let (error, bound) = (rough_percent(e.error), rough_percent(e.bound));
+        let confidence = percent(CONFIDENCE);
         console.say(&format!("  error {error}, below {bound} with {confidence} confidence"));
     }
     if let Some(view) = view {

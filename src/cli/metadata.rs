@@ -2,11 +2,11 @@
 
 use super::accuracy::error_to_json;
 use super::args::RenderArgs;
-use super::format::grouped;
 use super::plan::Goal;
 use super::replay;
 use crate::files::Files;
 use crate::math::fnv::Fnv;
+use crate::math::words::grouped;
 use crate::render::report::{Report, StopReason};
 use crate::render::settings::{Filter, Settings};
 use crate::render::technique::Choice;
@@ -90,15 +90,16 @@ pub fn stop_word(stop: StopReason) -> &'static str {
     }
 }
 
-/// The JSON object that is written into images. `with_seconds` adds how long it took, the one thing that
-/// differs between two runs of the same command.
+/// The JSON object that is written into images. All but its story follows from the picture and the command that makes
+/// it again, so that they give the same file byte by byte. `with_story` adds why the render stopped, the goals, their
+/// figures and the seconds; an interrupted picture, which no command makes again, always says that it is one.
 pub fn describe(
     args: &RenderArgs,
     hash: &str,
     settings: &Settings,
     goal: &Goal,
     report: &Report,
-    with_seconds: bool,
+    with_story: bool,
 ) -> Value {
     let name = args.scene().file_name().map(|n| n.to_string_lossy().into_owned());
     let mut value = json!({
@@ -112,16 +113,23 @@ pub fn describe(
         "max_depth": (settings.technique.max_depth != u32::MAX).then_some(settings.technique.max_depth),
         "filter": filter_word(settings.filter),
         "direct": settings.technique.direct.word(),
-        "stop": stop_word(report.stop),
-        "error_goal": goal.rules.error,
-        "error_max_goal": goal.rules.error_max,
-        "error_display_goal": goal.rules.error_display,
         "confidence": goal.rules.confidence,
-        "error": error_to_json(report.error.as_ref()),
     });
+    let mut error = report.error;
+    if let Some(error) = error.as_mut().filter(|_| !with_story) {
+        (error.worst, error.display) = (None, None);
+    }
+    value["error"] = error_to_json(error.as_ref());
     let (technique, biased) = (settings.technique.flags(), args.sampling.technique().biased());
     stamp(&mut value, &technique, &biased, report.clamped);
-    if with_seconds {
+    if with_story || report.stop == StopReason::Interrupted {
+        value["stop"] = json!(stop_word(report.stop));
+    }
+    if with_story {
+        let rules = &goal.rules;
+        value["error_goal"] = json!(rules.error);
+        value["error_max_goal"] = json!(rules.error_max);
+        value["error_display_goal"] = json!(rules.error_display);
         value["seconds"] = json!((report.seconds * 1e3).round() / 1e3);
     }
     value

@@ -13,7 +13,6 @@ pub mod compare;
 pub mod compare_report;
 pub mod console;
 pub mod diagnostics;
-pub mod format;
 pub mod merge;
 pub mod metadata;
 pub mod outputs;

@@ -2,7 +2,8 @@
 
 use super::choices::ProgressKind;
 use super::console::Console;
-use super::{accuracy, format, signals};
+use super::{accuracy, signals};
+use crate::math::words::{clock, count, rough_duration};
 use crate::render::report::{Observer, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
@@ -130,20 +131,14 @@ fn line(progress: &Progress, rendering: Duration) -> String {
     if let Some(error) = &progress.error {
         parts.push(accuracy::short(error));
     }
-    parts.push(format::duration(progress.elapsed));
+    parts.push(clock(progress.elapsed));
     parts.extend(accuracy::remaining(progress));
     if let Some(forecast) = &progress.forecast {
-        parts.push(format!(
-            "[half the error: +{}]",
-            format::rough_duration(forecast.halving)
-        ));
+        parts.push(format!("[half the error: +{}]", rough_duration(forecast.halving)));
     }
     let seconds = rendering.as_secs_f64();
     if seconds > 0.0 {
-        parts.push(format!(
-            "{} samples/s",
-            format::count(progress.samples as f64 / seconds)
-        ));
+        parts.push(format!("{} samples/s", count(progress.samples as f64 / seconds)));
     }
     parts.join("  ")
 }
@@ -199,7 +194,7 @@ mod tests {
         };
         let text = line(&progress, Duration::from_secs(10));
         assert!(
-            text.contains("12 s  goal in 14 s to 25 s  [half the error: +36 s]  3.20 M"),
+            text.contains("12 s  goal in 14–25 s  [half the error: +36 s]  3.20 M"),
             "{text}"
         );
         let too_late = Progress {
@@ -207,6 +202,6 @@ mod tests {
             ..progress
         };
         let text = line(&too_late, Duration::from_secs(10));
-        assert!(text.contains("5.0 s left, the goal needs 14 s to 25 s"), "{text}");
+        assert!(text.contains("5.0 s left, the goal needs 14–25 s"), "{text}");
     }
 }

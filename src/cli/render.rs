@@ -7,10 +7,11 @@ use super::parts::{self, Display};
 use super::plan::{self, Goal};
 use super::progress::Meter;
 use super::summary::{Summary, is_goal_missed};
-use super::{Exit, checkpoint, format, metadata, replay, scene, signals};
+use super::{Exit, accuracy, checkpoint, metadata, replay, scene, signals};
 use crate::compile::compile_with;
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
+use crate::math::words::clock;
 use crate::output::part::Part;
 use crate::output::{Develop, Format};
 use crate::render::driver::{self, Checkpoint, Continuity, Rendered};
@@ -108,6 +109,10 @@ fn prepare(args: &RenderArgs) -> Result<Targets, outputs::Refusal> {
     {
         return Err((Exit::Usage, why.to_owned()));
     }
+    if args.sampling.nets == Some(1) && args.sampling.adaptive {
+        let message = "--adaptive needs several sample nets to see where the noise is: leave --nets 1 out";
+        return Err((Exit::Usage, message.to_owned()));
+    }
     let targets = outputs::plan(&args.output, args.scene())?;
     let parts = &args.parts;
     let is_part = parts.checkpoint.is_some() || parts.samples.is_some() || parts.tile.is_some();
@@ -182,10 +187,7 @@ fn build<F: Files>(
     let Some(mut scene) = scene::read(&reading.path, files, &options, &mut reading.sources, diags) else {
         return Ok(None);
     };
-    console.detail(&format!(
-        "read the scene in {}",
-        format::duration(started.elapsed().as_secs_f64())
-    ));
+    console.detail(&format!("read the scene in {}", clock(started.elapsed().as_secs_f64())));
     scene::select_camera(&mut scene, &args.view, diags);
     let size = plan::resolution(quality, &scene);
     if u64::from(size[0]) * u64::from(size[1]) > MAX_PIXELS {
@@ -218,10 +220,7 @@ fn build<F: Files>(
     let Some(compiled) = compile_with(&scene, files, size[0], size[1], &settings.technique, diags) else {
         return Ok(None);
     };
-    console.detail(&format!(
-        "compiled it in {}",
-        format::duration(compiling.elapsed().as_secs_f64())
-    ));
+    console.detail(&format!("compiled it in {}", clock(compiling.elapsed().as_secs_f64())));
     let display = Display {
         tonemap: plan::scene_tone_map(&scene),
         linear: scene.display_is_linear,
@@ -292,7 +291,7 @@ fn conclude(
         drop(tiles);
         let picture = Finished::new(picture, &args.output, job.develop);
         let describe = |format: Format| {
-            // Only OpenEXR files tell the time, so that two runs give the same PNG byte by byte.
+            // Only OpenEXR files tell how it went, so that what is told to make it again gives the same PNG byte by byte.
             metadata::describe(args, &job.hash, &job.settings, &job.goal, report, format == Format::Exr)
         };
         let (written, images_done) = outputs::write_all(&targets.images, &picture, describe, console);
@@ -320,6 +319,12 @@ fn conclude(
     };
     if console.is_json() {
         console.event(&summary.event(exit.code()));
+    } else if console.is_quiet() {
+        // Nobody shall take a goal for reached who was not told how little that means.
+        let doubt = report.error.as_ref().and_then(accuracy::doubt);
+        if let Some(doubt) = doubt.filter(|_| job.goal.error_was_asked) {
+            console.warn(&doubt);
+        }
     } else {
         console.say(&summary.text());
     }

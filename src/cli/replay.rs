@@ -1,9 +1,9 @@
 //! The command line that makes the same picture again, bit by bit.
 
 use super::args::{LoadArgs, RenderArgs, ViewArgs};
-use super::format::shell_word;
 use super::metadata::filter_word;
-use crate::render::settings::{Region, Settings};
+use crate::math::words::shell_word;
+use crate::render::settings::{Region, Settings, StopRules};
 use crate::render::technique::Technique;
 use clap::ValueEnum;
 
@@ -68,6 +68,10 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     }
     if let Some(spp) = spp {
         words.extend(part_words(args, settings, spp.max(1)));
+        let confidence = settings.stop.confidence;
+        if confidence != StopRules::samples(1).confidence {
+            words.extend(["--confidence".to_owned(), confidence.to_string()]);
+        }
     }
     let quoted: Vec<String> = words.iter().map(|w| shell_word(w)).collect();
     quoted.join(" ")

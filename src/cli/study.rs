@@ -5,9 +5,10 @@ use super::console::Console;
 use super::outputs::Refusal;
 use super::study_files::Place;
 use super::study_meter::StudyMeter;
-use super::{Exit, format, plan, replay, scene, signals};
+use super::{Exit, plan, replay, scene, signals};
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
+use crate::math::words::{clock, shell_word};
 use crate::render::settings::Settings;
 use crate::render::technique::Technique;
 use crate::scene::{RenderDefaults, Scene};
@@ -71,7 +72,7 @@ fn study(args: &StudyArgs, console: &Console, started: Instant) -> Result<Exit, 
             "outputs": files,
         }));
     } else {
-        let took = format::duration(started.elapsed().as_secs_f64());
+        let took = clock(started.elapsed().as_secs_f64());
         console.say(&format!("wrote {} in {took}", files.join(", ")));
     }
     Ok(if outcome.interrupted {
@@ -212,9 +213,7 @@ fn refuse(failure: Failure) -> Refusal {
 
 /// The words that were given, as a shell takes them.
 fn command() -> String {
-    let words = std::env::args_os()
-        .skip(1)
-        .map(|w| format::shell_word(&w.to_string_lossy()));
+    let words = std::env::args_os().skip(1).map(|w| shell_word(&w.to_string_lossy()));
     std::iter::once("pts".to_owned())
         .chain(words)
         .collect::<Vec<_>>()
@@ -232,11 +231,7 @@ fn scene_flags(args: &StudyArgs) -> String {
     for (name, value) in [("--filter", filter), ("--nets", nets)] {
         words.extend(value.into_iter().flat_map(|v| [name.to_owned(), v]));
     }
-    words
-        .iter()
-        .map(|w| format::shell_word(w))
-        .collect::<Vec<_>>()
-        .join(" ")
+    words.iter().map(|w| shell_word(w)).collect::<Vec<_>>().join(" ")
 }
 
 /// `0.1.0 (1a2b3c4)`, without the commit where the program was not built from a repository.

@@ -3,7 +3,8 @@
 
 use super::choices::ProgressKind;
 use super::console::Console;
-use super::{format, signals};
+use super::signals;
+use crate::math::words::clock;
 use crate::study::experiment::{Row, Variant};
 use crate::study::workshop::{Step, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -101,8 +102,8 @@ fn line(step: &Step, fraction: f64) -> String {
     format!(
         "{:3.0} %  {} of {}  {}",
         100.0 * fraction,
-        format::duration(step.elapsed),
-        format::duration(step.budget),
+        clock(step.elapsed),
+        clock(step.budget),
         step.what
     )
 }

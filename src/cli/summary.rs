@@ -1,9 +1,9 @@
 //! What is told after a render: what was written, how good it is, why it ended, how to make it again.
 
 use super::accuracy::{self, error_to_json, forecast_to_json};
-use super::format::{count, duration};
 use super::metadata::{bias_words, stop_word};
 use super::plan::Goal;
+use crate::math::words::{clock, count, duration};
 use crate::render::report::{Anomalies, Report, StopReason};
 use crate::render::settings::Settings;
 use serde_json::{Value, json};
@@ -42,7 +42,7 @@ impl Summary<'_> {
                 settings.height
             ));
         }
-        let mut work = format!("  {} samples per pixel in {}", report.spp, duration(report.seconds));
+        let mut work = format!("  {} samples per pixel in {}", report.spp, clock(report.seconds));
         if report.seconds > 0.0 {
             let rates = [(report.samples, "samples/s"), (report.rays, "rays/s")];
             let rates = rates.map(|(n, unit)| format!("{} {unit}", count(n as f64 / report.seconds)));
@@ -225,8 +225,8 @@ mod tests {
         for part in [
             "wrote a.png, a.exr (8x4)",
             "256 samples per pixel in 2.0 s (500 k samples/s, 2.50 M rays/s)",
-            "error 4.5 %, below 5.0 % with 90 % confidence",
-            "the error goal of 3.0 % is not reached",
+            "error 4.5 %, below 5 % with 90 % confidence",
+            "the error goal of 3 % is not reached",
             "\n  view: albedo\n",
             "12 samples were not finite",
             "biased: --clamp 10 (12 345 samples clamped), --no-caustics",

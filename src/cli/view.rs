@@ -1,7 +1,7 @@
 //! `--view`: what a view shows, in words.
 
 use super::choices::ViewName;
-use super::format::{nanoseconds, percent};
+use crate::math::words::{duration, rough_percent};
 use crate::output::{View, ViewKind};
 
 /// The kind of view that a word stands for.
@@ -15,7 +15,7 @@ pub fn kind(name: ViewName) -> ViewKind {
     }
 }
 
-/// What a view shows, with the ends of its scale: `relative error, 0.10 % dark … 100 % bright, logarithmic`.
+/// What a view shows, with the ends of its scale: `relative error, 0.1 % dark … 100 % bright, logarithmic`.
 pub fn about(view: &View) -> String {
     let name = match view.kind {
         ViewKind::Error => "relative error",
@@ -28,10 +28,18 @@ pub fn about(view: &View) -> String {
         (ViewKind::Normal | ViewKind::Albedo, _) => return name.to_owned(),
         (_, None) => return format!("{name}, not known for any pixel (grey)"),
         (ViewKind::Error, Some([low, high])) => {
-            format!("{} dark … {} bright, logarithmic", percent(low), percent(high))
+            format!(
+                "{} dark … {} bright, logarithmic",
+                rough_percent(low),
+                rough_percent(high)
+            )
         }
         (ViewKind::Time, Some([low, high])) => {
-            format!("{} dark … {} bright, logarithmic", nanoseconds(low), nanoseconds(high))
+            format!(
+                "{} dark … {} bright, logarithmic",
+                duration(1e-9 * low),
+                duration(1e-9 * high)
+            )
         }
         (ViewKind::Depth, Some([near, far])) => format!("{near:.4} bright … {far:.4} dark, linear"),
     };

@@ -1,4 +1,5 @@
-//! Arithmetic shared by all layers: frames, sampling maps, robust forms, portable functions, statistics.
+//! Arithmetic shared by all layers: frames, sampling maps, robust forms, portable functions, statistics,
+//! and numbers in words.
 
 pub mod color;
 pub mod fnv;
@@ -7,3 +8,4 @@ pub mod portable;
 pub mod robust;
 pub mod stats;
 pub mod warp;
+pub mod words;

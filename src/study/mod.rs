@@ -26,7 +26,6 @@ pub mod runner;
 mod synthetic;
 pub mod table;
 pub mod uses;
-mod words;
 pub mod workshop;
 pub mod yardstick;
 

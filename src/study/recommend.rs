@@ -3,7 +3,7 @@
 use super::experiment::{Goal, Row, Study};
 use super::fit::{Band, Law};
 use super::points::{median, usable};
-use super::words::{duration, percent, range, rough_duration, rough_percent, shell_word, significant};
+use crate::math::words::{duration, percent, range, rough_duration, rough_percent, shell_word, significant};
 
 /// How much faster another variant must be expected to be before it is preferred to the scene as written.
 const WORTH_IT: f64 = 1.25;

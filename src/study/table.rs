@@ -4,7 +4,7 @@ use super::experiment::{Ablation, Goal, Kind, Row, Study, Variant};
 use super::fit::Law;
 use super::points::{pareto, points};
 use super::recommend::recommend;
-use super::words::{duration, percent, range, rough_percent, significant};
+use crate::math::words::{duration, percent, range, rough_percent, significant};
 use serde_json::{Value, json};
 
 /// Version of the layout of [`json`]: raised when a field changes its meaning or goes.

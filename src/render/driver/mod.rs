@@ -306,16 +306,17 @@ impl Run<'_> {
         let at_most = pixels * u64::from(stop.spp) - self.samples_before;
         let elapsed = self.begun.elapsed().as_secs_f64();
         let since_start = self.settings.started.elapsed().as_secs_f64();
-        let seen = self.seen();
+        let mut seen = self.seen();
         let (error, at) = (seen.error.map(|(error, _)| error), seen.at);
         // Ranges begin at the look; time has passed since.
         let forecast = seen.forecast.map(|f| Forecast {
             to_goal: f.to_goal.map(|range| range.map(|t| (t - (elapsed - at)).max(0.0))),
             ..f
         });
-        drop(seen);
         let mut fraction = samples as f64 / at_most.max(1) as f64;
-        let mut remaining = if samples > 0 {
+        // As long as nothing is known of an error goal, how far its cap is says nothing of the end.
+        let is_open = stop.has_error_goal() && forecast.is_none();
+        let mut remaining = if samples > 0 && !is_open {
             elapsed / samples as f64 * at_most.saturating_sub(samples) as f64
         } else {
             f64::NAN
@@ -329,11 +330,15 @@ impl Run<'_> {
             fraction = fraction.max((elapsed / (elapsed + left)).min(0.99));
             remaining = remaining.min(left);
         }
+        // A goal may turn out to be further away than it seemed; what is done stays done.
+        seen.fraction = seen.fraction.max(fraction.clamp(0.0, 1.0));
+        let fraction = seen.fraction;
+        drop(seen);
         self.observer.progress(&Progress {
             spp,
             samples,
             samples_at_most: at_most,
-            fraction: fraction.clamp(0.0, 1.0),
+            fraction,
             elapsed: since_start,
             remaining: remaining.is_finite().then_some(remaining.max(0.0)),
             error,
@@ -353,6 +358,8 @@ struct Seen {
     at: f64,
     /// E² summed over each tile's pixels.
     shares: Option<Vec<f64>>,
+    /// The largest share of the work that was told.
+    fraction: f64,
 }
 
 /// Each error goal, what its bound is, and what reaching it is called.

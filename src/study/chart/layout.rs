@@ -3,11 +3,11 @@
 use super::super::experiment::{Goal, Study};
 use super::super::fit::Law;
 use super::super::points::{pareto, points};
-use super::super::words::{duration, percent, rough_percent, significant};
 use super::font;
 use super::panel::{Chart, Panel, Role};
 use super::scale::{Domain, Measure, Scale};
 use super::shapes::{Anchor, Page, Room, Shape, Text};
+use crate::math::words::{duration, percent, rough_percent, significant};
 
 /// Width of the page. Printed 16 cm wide, a CSS pixel is 2/3 point.
 pub const WIDTH: f64 = 680.0;

@@ -2,13 +2,13 @@
 
 use super::super::experiment::Point;
 use super::super::points::best_error;
-use super::super::words::{duration, percent, rough_percent};
 use super::labels::{Labels, around};
 use super::layout::SIZE;
 use super::panel::{Chart, Panel, Role};
 use super::scale::Scale;
 use super::shapes::{Anchor, At, Room, Shape, Stroke, Text};
 use super::style::{self, Style};
+use crate::math::words::{duration, percent, rough_percent};
 
 /// Width of the Pareto front's line.
 pub const FRONT_WIDTH: f64 = 8.0;

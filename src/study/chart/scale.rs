@@ -1,7 +1,7 @@
 //! Logarithmic axes: from values to places, and which values get a label.
 
-use super::super::words::{percent, significant};
 use super::font;
+use crate::math::words::{percent, significant};
 
 /// Factor between the ends of an axis, at least; so that it has two labels.
 const LEAST_SPAN: f64 = 8.0;
