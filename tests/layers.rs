@@ -250,7 +250,7 @@ fn merged_parts_have_the_tails_and_halves_of_one_run_and_no_times() {
         0,
     );
     assert!(
-        told.contains("view: relative error, 0.10 % dark … 100 % bright"),
+        told.contains("view: relative error, 0.1 % dark … 100 % bright"),
         "{told}"
     );
     assert!(bench.exr("m.exr") == bench.exr("whole.exr"));
