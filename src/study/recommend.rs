@@ -6,13 +6,14 @@ use super::points::{median, usable};
 use crate::math::words::{duration, percent, range, rough_duration, rough_percent, shell_word, significant};
 
 /// How much faster another variant must be expected to be before it is preferred to the scene as written.
-const WORTH_IT: f64 = 1.1;
+const WORTH_IT: f64 = 1.25;
 /// The same for a biased variant against the best unbiased one.
 const WORTH_BIAS: f64 = 1.5;
 /// A floor counts as well below the goal up to this share of it: then it adds 13 % to the error at most.
 const FLOOR_SHARE: f64 = 0.5;
-/// Samples per pixel beyond those measured up to which a law is believed, as a factor: ten times less error.
-const REACH: f64 = 100.0;
+/// Samples per pixel beyond those measured up to which a law is followed, as a factor: a hundred times less error. The
+/// band grows with the distance, and the text says how far it is.
+const REACH: f64 = 1e4;
 /// Rows with this share of the longest rung's samples tell how a run's own bound relates to the true error.
 const LATE: f64 = 0.25;
 

@@ -70,8 +70,9 @@ def main(pts, name, goals, runs, *references):
         c = compare(pts, long, reference)
         noise, bias = c["noise"], max(c["noise"]["bias_z"], key=abs)
         agreed &= noise["differing"] == 0
-        print(f"| {name} | {peer} | {spp} | {100 * own:.2f} % | {c['energy']['ratio']:.4f} (z = {bias:+.1f}) "
-              f"| {noise['differing']} of {noise['blocks']} (farthest z = {noise['farthest']['z']:+.1f}) |")  # fmt: skip
+        farthest = f"farthest z = {noise['farthest']['z']:+.1f}"
+        row = [name, peer, str(spp), f"{100 * own:.2f} %", f"{c['energy']['ratio']:.4f} (z = {bias:+.1f})"]
+        print(" | ".join(["", *row, f"{noise['differing']} of {noise['blocks']} ({farthest})", ""]).strip())
         for goal in goals.split(","):
             estimates, bounds, truths, samples, missed = [], [], [], [], 0
             for seed in range(1, runs + 1):
@@ -88,7 +89,8 @@ def main(pts, name, goals, runs, *references):
             low, mid, high = np.quantile(t, [0.1, 0.5, 0.9])
             row = [name, peer, goal, f"{np.median(samples):.0f}", f"{100 * np.median(e):.2f} %"]
             row += [f"{100 * np.median(u):.2f} %", f"{100 * mid:.2f} % ({100 * low:.2f} … {100 * high:.2f})"]
-            row += [f"{np.median(t / e):.3f}", f"{kept} of {runs}", str(int((t <= float(goal.rstrip('%')) / 100).sum()))]
+            reached = int((t <= float(goal.rstrip("%")) / 100).sum())
+            row += [f"{np.median(t / e):.3f}", f"{kept} of {runs}", f"{reached} of {runs}"]
             table.append("| " + " | ".join(row) + f" |{f' {missed} missed' if missed else ''}")
     print("\n".join(table))
     sys.exit(0 if agreed else 1)
