@@ -206,7 +206,7 @@ mod tests {
         assert!(text.contains("5.0 s left, the goal needs 14–25 s"), "{text}");
         for (to_goal, told) in [
             ([0.0, 0.3], "goal at the next look"),
-            ([0.2, 3.14], "goal within 3.1 s"),
+            ([0.2, 3.27], "goal within 3.3 s"),
             ([70.0, 604.0], "goal in 70 s – 10 min"),
         ] {
             let progress = Progress {
