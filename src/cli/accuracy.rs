@@ -7,7 +7,7 @@ use crate::render::settings::StopRules;
 use serde_json::{Value, json};
 
 /// Seconds that are no time any more for who waits.
-const SOON: f64 = 0.1;
+const SOON: f64 = 0.5;
 
 /// `error 4.1 % (≤ 4.6 %)`, the bound at the asked confidence; then what else there are goals for:
 /// `worst pixels 12 % (≤ 14 %)`, `display 0.52 (≤ 0.55) steps`. `doubtful` where they deserve no trust.

@@ -314,7 +314,7 @@ impl Whole {
         Ok((written, done, picture.about_view()))
     }
 
-    /// What images say about how they were made; the keys are those of a render.
+    /// What images say about how they were made; the keys are those of a render without its story.
     fn describe(&self, samples: &Range<u32>, error: Option<ErrorEstimate>) -> Value {
         let (header, settings) = (&self.header, &self.header["settings"]);
         let mut command = header["command"].as_str().unwrap_or_default().to_owned();
@@ -337,8 +337,6 @@ impl Whole {
             "max_depth": settings["max_depth"],
             "filter": settings["filter"],
             "direct": settings["direct"],
-            "stop": "samples",
-            "error_goal": null,
             "confidence": CONFIDENCE,
             "error": error_to_json(error.as_ref()),
         });

@@ -160,6 +160,7 @@ fn event(progress: &Progress) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::estimate::Bounded;
     use crate::render::report::{ErrorEstimate, Forecast};
 
     #[test]
@@ -203,5 +204,51 @@ mod tests {
         };
         let text = line(&too_late, Duration::from_secs(10));
         assert!(text.contains("5.0 s left, the goal needs 14–25 s"), "{text}");
+        for (to_goal, told) in [
+            ([0.0, 0.3], "goal at the next look"),
+            ([0.2, 3.27], "goal within 3.3 s"),
+            ([70.0, 604.0], "goal in 70 s – 10 min"),
+        ] {
+            let progress = Progress {
+                remaining: Some(1000.0),
+                forecast: progress.forecast.map(|f| Forecast {
+                    to_goal: Some(to_goal),
+                    ..f
+                }),
+                ..progress
+            };
+            let text = line(&progress, Duration::from_secs(10));
+            assert!(text.contains(told), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_line_tells_every_figure_that_has_a_goal() {
+        let figure = |value| {
+            Some(Bounded {
+                value,
+                bound: 1.1 * value,
+            })
+        };
+        let progress = Progress {
+            spp: 128,
+            samples: 1,
+            samples_at_most: 2,
+            fraction: 0.5,
+            elapsed: 1.0,
+            remaining: None,
+            error: Some(ErrorEstimate {
+                error: 0.02,
+                bound: 0.03,
+                lonely: 1.0,
+                worst: figure(0.1),
+                display: figure(0.5),
+                ..ErrorEstimate::default()
+            }),
+            forecast: None,
+        };
+        let text = line(&progress, Duration::ZERO);
+        let told = "error 2 % (≤ 3 %)  worst pixels 10 % (≤ 11 %)  display 0.5 (≤ 0.55) steps  doubtful  1.0 s";
+        assert_eq!(text, format!(" 50 %  128 spp  {told}"));
     }
 }

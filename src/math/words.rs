@@ -29,10 +29,16 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
-/// `2.3 %`: two digits, for what is only roughly known.
+/// The nearest number with so many digits, 1 to 17: 1234 has two of them as 1200.
+fn rounded(x: f64, digits: i32) -> f64 {
+    let decimals = (digits - 1).max(0) as usize;
+    format!("{x:.decimals$e}").parse().unwrap_or(x)
+}
+
+/// `2.3 %`, `1200 %`: two digits, for what is only roughly known.
 pub fn rough_percent(fraction: f64) -> String {
     match fraction.is_finite() {
-        true => format!("{} %", significant(100.0 * fraction, 2)),
+        true => format!("{} %", significant(rounded(100.0 * fraction, 2), 2)),
         false => "unknown".to_owned(),
     }
 }
@@ -60,7 +66,7 @@ fn with_digits(seconds: f64, digits: i32) -> String {
         s if s < 172_800.0 => (3600.0, "h"),
         _ => (86_400.0, "days"),
     };
-    format!("{} {unit}", significant(seconds / size, digits))
+    format!("{} {unit}", significant(rounded(seconds / size, digits), digits))
 }
 
 /// As a clock that runs shows it: `0.4 s`, `12 s`, `3:05 min`, `1:02:03 h`.
@@ -165,7 +171,9 @@ mod tests {
             assert_eq!(duration(seconds), text);
         }
         assert_eq!(rough_duration(13.47), "13 s");
+        assert_eq!(rough_duration(0.604), "600 ms");
         assert_eq!(rough_percent(0.0234), "2.3 %");
+        assert_eq!(rough_percent(11.55), "1200 %");
     }
 
     #[test]

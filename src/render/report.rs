@@ -12,11 +12,12 @@ pub struct Progress {
     pub samples: u64,
     /// Samples the render takes if no other rule stops it.
     pub samples_at_most: u64,
-    /// Share of the work done, in [0, 1], by the rule that is nearest to stopping it.
+    /// Share of the work done, in [0, 1], by the rule that is nearest to stopping it. It never falls.
     pub fraction: f64,
     /// Seconds since the clock was started.
     pub elapsed: f64,
-    /// Seconds that are likely left.
+    /// Seconds that are likely left, ≥ 0; `None` as long as nothing is known: before the first samples, and with error
+    /// goals and no time limit before the first forecast.
     pub remaining: Option<f64>,
     /// The error at the last look, once there was one.
     pub error: Option<ErrorEstimate>,
