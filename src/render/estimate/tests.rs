@@ -24,7 +24,7 @@ fn sums(sheets: usize, wanted: Wanted, mean: f64, mut pixel: impl FnMut(usize) -
 #[test]
 fn the_estimate_is_right_for_known_noise() {
     let mut rng = Pcg::new(5);
-    let sigma = 0.4;
+    let sigma = 0.1; // small, so that weights from half of the nets are as good as true ones
     let wanted = Wanted {
         worst: true,
         display: None,
