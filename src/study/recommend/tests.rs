@@ -139,3 +139,17 @@ fn names_with_blanks_are_quoted() {
     let command = recommend(&study).choice.unwrap().command;
     assert!(command.starts_with("pts render 'my scene.pts' -r"), "{command}");
 }
+
+/// One seed of the fast variant meets a firefly at its last rung: then its five pictures do not speak for it any more,
+/// whatever a line through their mean promises.
+#[test]
+fn a_variant_whose_own_pictures_scatter_is_not_preferred() {
+    let mut study = Study {
+        goal: Goal::Error(0.02),
+        ..synthetic::with(vec![entry("build", "best", Variance, 1.0, 0.0, 0.5)])
+    };
+    assert_eq!(recommend(&study).choice.unwrap().variant, 1);
+    let own = study.rows.iter_mut().filter(|r| r.variant == 1);
+    own.max_by_key(|r| r.spp).unwrap().e2 *= 4.0;
+    assert_eq!(recommend(&study).choice.unwrap().variant, 0);
+}
