@@ -3,6 +3,7 @@
 
 mod support;
 
+use pts::math::color::luminance_f64 as luminance;
 use pts::render::settings::Settings;
 use pts::render::technique::{SamplerKind, Technique};
 use rayon::prelude::*;
@@ -64,10 +65,6 @@ fn mean(runs: &[Run]) -> Estimate {
         mean: pixels.iter().map(|p| p.map(|(mean, _)| mean)).collect(),
         variance: pixels.iter().map(|p| p.map(|(_, variance)| variance)).collect(),
     }
-}
-
-fn luminance(c: [f64; 3]) -> f64 {
-    0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
 }
 
 /// E as `docs/accuracy.md` defines it.

@@ -8,6 +8,7 @@
 
 mod support;
 
+use pts::math::color::luminance_f64 as luminance;
 use pts::render::driver::{self, Continuity};
 use pts::render::forecast::{Forecast, Look};
 use pts::render::pixels::{Pixels, Rows};
@@ -95,10 +96,6 @@ struct Truth {
     mean: Vec<[f64; 3]>,
     weight: Vec<f64>,
     noise: f64,
-}
-
-fn luminance(c: [f64; 3]) -> f64 {
-    0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
 }
 
 fn truth_without(stories: &[Story], left_out: usize) -> Truth {

@@ -5,6 +5,7 @@ use super::args::OutputArgs;
 use super::choices::{Aov, ToneMapKind, ViewName};
 use super::console::Console;
 use super::view;
+use crate::math::color::luminance_f64;
 use crate::output::{self, Develop, Format, Layers, OutputError, ToneMap, View, part};
 use crate::render::pixels::Rows;
 use crate::render::report::Picture;
@@ -223,7 +224,7 @@ impl Finished {
 /// Per pixel, the root mean square over channels of the standard error divided by √(luminance² + ε), with the
 /// ε = 10⁻²·(mean luminance)² of the image error: the image error is the root mean square of this layer.
 fn relative_error(picture: &Picture) -> Vec<f32> {
-    let luminance = |c: &[f32; 3]| 0.2126 * f64::from(c[0]) + 0.7152 * f64::from(c[1]) + 0.0722 * f64::from(c[2]);
+    let luminance = |c: &[f32; 3]| luminance_f64(c.map(f64::from));
     // Pixels outside of a region are no part of the picture.
     let sampled = || picture.rgb.iter().zip(&picture.samples).filter(|(_, n)| **n > 0);
     let mean = sampled().map(|(rgb, _)| luminance(rgb)).sum::<f64>() / sampled().count().max(1) as f64;

@@ -43,16 +43,8 @@ impl Meter {
     /// A meter for the render that begins now.
     pub fn new(console: Console) -> Meter {
         let began = Instant::now();
-        let bar = (console.progress() == ProgressKind::Bar).then(|| {
-            let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(8));
-            let style = match console.is_colored() {
-                true => "{bar:20.cyan/blue} {wide_msg}",
-                false => "{bar:20} {wide_msg}",
-            };
-            bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
-            bar.set_message("first pass");
-            bar
-        });
+        let bar = bar(&console, STEPS);
+        bar.iter().for_each(|bar| bar.set_message("first pass"));
         Meter {
             console,
             began,
@@ -119,6 +111,19 @@ impl Observer for Meter {
     fn should_stop(&self) -> bool {
         signals::stop_asked()
     }
+}
+
+/// A bar of this many steps, where bars are shown.
+pub fn bar(console: &Console, steps: u64) -> Option<ProgressBar> {
+    (console.progress() == ProgressKind::Bar).then(|| {
+        let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr_with_hz(8));
+        let style = match console.is_colored() {
+            true => "{bar:20.cyan/blue} {wide_msg}",
+            false => "{bar:20} {wide_msg}",
+        };
+        bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar
+    })
 }
 
 /// ` 40 %  128 spp  error 4.1 % (≤ 4.6 %)  12 s  18 s left  3.20 M samples/s`: what matters most stands first,

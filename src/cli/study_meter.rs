@@ -3,11 +3,12 @@
 
 use super::choices::ProgressKind;
 use super::console::Console;
+use super::progress::bar;
 use super::signals;
 use crate::math::words::clock;
 use crate::study::experiment::{Row, Variant};
 use crate::study::workshop::{Step, Watch};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use serde_json::json;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -35,15 +36,7 @@ struct Shown {
 impl StudyMeter {
     /// A meter for the study that begins now.
     pub fn new(console: Console) -> StudyMeter {
-        let bar = (console.progress() == ProgressKind::Bar).then(|| {
-            let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(8));
-            let style = match console.is_colored() {
-                true => "{bar:20.cyan/blue} {wide_msg}",
-                false => "{bar:20} {wide_msg}",
-            };
-            bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
-            bar
-        });
+        let bar = bar(&console, STEPS);
         let shown = Shown {
             at: None,
             stage: "",

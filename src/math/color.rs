@@ -10,6 +10,11 @@ pub fn luminance(c: Vec3) -> f32 {
     c.dot(LUMINANCE)
 }
 
+/// Luminance in double precision.
+pub fn luminance_f64([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// Display value in [0, 1] to linear, IEC 61966-2-1; values outside continue the curve, oddly below 0.
 pub fn linear_from_srgb(v: f64) -> f64 {
     let a = v.abs();

@@ -29,11 +29,12 @@ pub mod uses;
 pub mod workshop;
 pub mod yardstick;
 
+use crate::math::color::luminance_f64;
 pub use image::Image;
 pub use metrics::{CompareError, Metrics, Options, compare, compare_with};
 pub use points::{pareto, points};
 
 /// Luminance of linear Rec. 709 in f64; exact under scaling by powers of two.
 pub(crate) fn luminance(c: [f32; 3]) -> f64 {
-    0.2126 * f64::from(c[0]) + 0.7152 * f64::from(c[1]) + 0.0722 * f64::from(c[2])
+    luminance_f64(c.map(f64::from))
 }

@@ -1,15 +1,17 @@
 //! Whether an error estimate can be trusted: who owns the error.
 
 use super::terms::NetMeans;
+use crate::math::color::luminance_f64;
 use std::collections::BTreeMap;
 
 /// How lonely a pixel's most different net is: 0 as for normally distributed nets on average, 1 if it alone differs;
 /// negative where nets are more alike than that. 0 where all agree.
 pub fn loneliness(means: &NetMeans) -> f64 {
     let n = means.len() as f64;
-    let light = |m: &[f64; 3]| 0.2126 * m[0] + 0.7152 * m[1] + 0.0722 * m[2];
-    let mean = means.iter().map(light).sum::<f64>() / n;
-    let squares = means.iter().map(|m| (light(m) - mean) * (light(m) - mean));
+    let mean = means.iter().map(|m| luminance_f64(*m)).sum::<f64>() / n;
+    let squares = means
+        .iter()
+        .map(|m| (luminance_f64(*m) - mean) * (luminance_f64(*m) - mean));
     let (most, all) = squares.fold((0.0f64, 0.0), |(m, s), d| (m.max(d), s + d));
     if all == 0.0 {
         return 0.0;
