@@ -90,7 +90,6 @@ fn a_flat_floor_of_many_triangles_is_left_at_any_angle() {
             }
         }
     }
-    println!("{blocked:?} of {tried:?}");
     assert!(tried.iter().all(|&n| n > 5000), "{tried:?}");
     assert_eq!(blocked, [0; ANGLES.len()], "of {tried:?}");
 }
@@ -140,11 +139,14 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
                         };
                         let Some(aim) = light.sample(&receiver, rng.next_vec2()) else { continue };
                         tried[k] += 1;
+                        // The start may be moved aside, as it is off a surface of loose points.
+                        let aside = direction(&mut rng) * (aim.distance * 1e-4 * rng.next_f32().powi(8));
+                        let origin = p + aside;
                         let ray = Ray {
-                            t_max: aim.t_max,
+                            t_max: aim.t_max - (origin - p).length() * aim.slant,
                             to: aim.to,
                             mask: ray_mask::SHADOW,
-                            ..Ray::new(p, aim.wi)
+                            ..Ray::new(origin, aim.wi)
                         };
                         blocked[k] += usize::from(geometry.occluded(&ray));
                     }
@@ -152,7 +154,6 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
             }
         }
     }
-    println!("{blocked:?} of {tried:?}");
     assert!(tried.iter().all(|&n| n > 10_000), "{tried:?}");
     assert_eq!(blocked, [0; ANGLES.len()], "of {tried:?}");
 }
@@ -214,7 +215,6 @@ fn a_box_lamp_does_not_shade_its_own_faces() {
             }
         }
     }
-    println!("{blocked:?} of {tried:?}");
     assert!(tried.iter().take(5).all(|&n| n > 10_000), "{tried:?}");
     assert_eq!(blocked, [0; ANGLES.len()], "of {tried:?}");
 }

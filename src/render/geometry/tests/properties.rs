@@ -255,7 +255,7 @@ fn tori_under_any_map() {
     for (i, minor) in [0.25, 0.02, 0.9].into_iter().enumerate() {
         // Seen from the hole the ring curves with R − r; the tube itself only bulges.
         let kind = Kind::Hollow(1.0 - minor);
-        solids(11 + i as u64, 4000, [1000, 2000, 0], kind, |_| Solid::Torus { major: 1.0, minor });
+        solids(11 + i as u64, 4000, [1000, 1500, 0], kind, |_| Solid::Torus { major: 1.0, minor });
     }
     solids(14, 4000, [4000, 0, 0], Kind::Any, |_| Solid::Torus { major: 0.5, minor: 0.8 });
 }
