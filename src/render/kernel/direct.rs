@@ -41,10 +41,11 @@ impl Kernel<'_> {
         if unshadowed == Vec3::ZERO {
             return Vec3::ZERO;
         }
+        let origin = offset_origin(surface.p, surface.p_error, surface.ng, light.wi);
         let ray = Ray {
-            origin: offset_origin(surface.p, surface.p_error, surface.ng, light.wi),
+            origin,
             dir: light.wi,
-            t_max: light.t_max,
+            t_max: light.t_max - (origin - surface.p).length() * light.slant,
             from: surface.prim,
             to: light.to,
             mask: ray_mask::SHADOW,
@@ -78,14 +79,15 @@ impl Kernel<'_> {
             if self.scene.geometry.occluded(&ray) {
                 return Vec3::ZERO;
             }
-            return media.transmittance(light.t_max);
+            return media.transmittance(light.distance);
         }
         let mut media = *media;
         let mut left = Vec3::ONE;
+        let mut rest = light.distance;
         for _ in 0..MOST_PASSES {
             stats.rays += 1;
             let Some(hit) = self.scene.geometry.closest(&ray) else {
-                return left * media.transmittance(ray.t_max);
+                return left * media.transmittance(rest);
             };
             let surface = self.scene.geometry.surface(&ray, &hit);
             let material = &self.scene.materials[surface.material as usize];
@@ -109,14 +111,13 @@ impl Kernel<'_> {
                     media.leave(surface.prim.object);
                 }
             }
-            let t_max = ray.t_max - hit.t;
+            rest -= hit.t;
+            let next = go_on(&ray, &surface);
+            let t_max = ray.t_max - hit.t - (next.origin - surface.p).length() * light.slant;
             if t_max <= 0.0 {
                 return left;
             }
-            ray = Ray {
-                t_max,
-                ..go_on(&ray, &surface)
-            };
+            ray = Ray { t_max, ..next };
         }
         stats.anomalies.count(Anomaly::StackOverflow, 1);
         Vec3::ZERO

@@ -48,6 +48,7 @@ impl SphereCapLight {
             pdf,
             t_max: shadow_end(t as f32, at.p),
             distance: t as f32,
+            slant: 1.0,
             to: self.sphere.prim,
             b: Vec2::ZERO,
             textured: self.sphere.textured,

@@ -6,7 +6,6 @@
 
 use super::{Aim, Light, Receiver, SphereLight};
 use crate::render::ray::PrimRef;
-use glam::DVec3;
 
 /// The shape of an emitter, bit by bit, with a number for its kind, and its primitive.
 fn shape_of(light: &Light) -> Option<([u64; 11], PrimRef)> {
@@ -78,12 +77,12 @@ pub(crate) fn copies(lights: &[Light]) -> Copies {
     Copies { hidden, hiding }
 }
 
-/// The end of a shadow ray to a light that hides a copy of itself, which must not block. What rounding moves across the
+/// The end of a shadow ray to a sphere that hides a copy of itself, which must not block. What rounding moves across the
 /// ray moves the copy's hit along it by up to 1/cos as much, cos that of the angle at the light. As the cosine vanishes
 /// nothing blocks, nor is there light; and nothing of a sphere is nearer than |d − R|, however flat the ray meets it.
+/// Rays to flat lights end early enough anyway.
 pub(crate) fn shadow_end(light: &Light, at: &Receiver, aim: &Aim) -> f32 {
     let w = aim.wi.as_dvec3();
-    let flat = |normal: DVec3| (w.dot(normal).abs() / normal.length(), 0.0);
     let round = |sphere: &SphereLight| {
         let from_center = at.p.as_dvec3() - sphere.center;
         let normal = (from_center + w * f64::from(aim.distance)) / sphere.radius;
@@ -92,12 +91,14 @@ pub(crate) fn shadow_end(light: &Light, at: &Receiver, aim: &Aim) -> f32 {
     let (cos, nearest) = match light {
         Light::Sphere(l) => round(l),
         Light::SphereCap(l) => round(&l.sphere),
-        Light::Triangle(l) => flat(l.e1.as_dvec3().cross(l.e2.as_dvec3())),
-        Light::Parallelogram(l) => flat(l.e1.as_dvec3().cross(l.e2.as_dvec3())),
-        Light::Disc(l) => flat(l.axis1.cross(l.axis2)),
-        Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) | Light::Environment(_) => {
-            return aim.t_max;
-        }
+        Light::Triangle(_)
+        | Light::Parallelogram(_)
+        | Light::Disc(_)
+        | Light::Point(_)
+        | Light::Spot(_)
+        | Light::Directional(_)
+        | Light::Area(_)
+        | Light::Environment(_) => return aim.t_max,
     };
     let margin = aim.distance - aim.t_max;
     let end = aim.t_max - margin * (1.0 / cos.min(1.0) - 1.0) as f32;

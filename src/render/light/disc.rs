@@ -1,7 +1,7 @@
 //! The emitting disc, ellipse or ring.
 
 use super::flat::FlatTarget;
-use super::{Aim, HitOnLight, Receiver, shadow_end};
+use super::{Aim, HitOnLight, Receiver};
 use crate::math::warp::disc_concentric;
 use crate::render::ray::PrimRef;
 use glam::{DVec3, Vec2, Vec3};
@@ -47,12 +47,15 @@ impl DiscLight {
             self.axis1 * d.x + self.axis2 * d.y
         };
         let (wi, pdf, t) = self.target().aim_at(at, q)?;
+        let size = self.axis1.abs().max(self.axis2.abs()).max_element();
+        let (t_max, slant) = self.target().shadow_end(at, wi, t, size);
         Some(Aim {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end(t as f32, at.p),
+            t_max,
             distance: t as f32,
+            slant,
             to: self.prim,
             b: Vec2::ZERO,
             textured: self.textured,

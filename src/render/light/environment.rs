@@ -58,6 +58,7 @@ impl EnvironmentLight {
             pdf,
             t_max: f32::INFINITY,
             distance: f32::INFINITY,
+            slant: 1.0,
             to: PrimRef::NONE,
             b: Vec2::ZERO,
             textured: false,

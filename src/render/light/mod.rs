@@ -129,6 +129,9 @@ pub struct LightSample {
     pub t_max: f32,
     /// Distance to the sampled point, infinite for light from far away.
     pub distance: f32,
+    /// What moves the start of the shadow ray aside moves its end along it by up to this factor: 1/cos of the angle at a
+    /// flat light, 1 elsewhere.
+    pub slant: f32,
     /// The primitive the sample lies on, which must not block; [`PrimRef::NONE`] for lights without one.
     pub to: PrimRef,
     /// Where on `to` the sample lies, for textures: barycentric coordinates of v1 and v2 on a triangle,
@@ -162,6 +165,7 @@ pub(crate) struct Aim {
     pub pdf: f32,
     pub t_max: f32,
     pub distance: f32,
+    pub slant: f32,
     pub to: PrimRef,
     pub b: Vec2,
     pub textured: bool,

@@ -3,7 +3,7 @@
 use super::choice::remap;
 use super::flat::FlatTarget;
 use super::solid_angle::SphericalTriangle;
-use super::{Aim, HitOnLight, Receiver, shadow_end};
+use super::{Aim, HitOnLight, Receiver};
 use crate::render::ray::PrimRef;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -74,12 +74,15 @@ impl ParallelogramLight {
                 (wi, pdf, t, u)
             }
         };
+        let size = f64::from(self.e1.abs().max(self.e2.abs()).max_element());
+        let (t_max, slant) = self.target().shadow_end(at, wi, t, size);
         Some(Aim {
             wi,
             radiance: self.radiance,
             pdf,
-            t_max: shadow_end(t as f32, at.p),
+            t_max,
             distance: t as f32,
+            slant,
             to: self.prim,
             b,
             textured: self.textured,

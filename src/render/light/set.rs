@@ -155,6 +155,7 @@ impl LightSet {
             delta: l.is_delta(),
             t_max: aim.t_max,
             distance: aim.distance,
+            slant: aim.slant,
             to: aim.to,
             b: aim.b,
             textured: aim.textured,

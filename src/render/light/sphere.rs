@@ -94,6 +94,7 @@ impl SphereLight {
             pdf,
             t_max: shadow_end(t, at.p),
             distance: t,
+            slant: 1.0,
             to: self.prim,
             b: Vec2::ZERO,
             textured: self.textured,
