@@ -21,12 +21,14 @@ use super::surface::{Attributes, Surface};
 use super::technique::{Direct, Roulette, SamplerKind};
 use crate::math::robust::offset_origin;
 use fold::Sides;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
 const ROULETTE_FROM: u32 = 2;
-/// From this bounce on a path survives with at most 98 %, so that lossless rooms end.
+/// From this bounce on no path survives for certain, so that lossless rooms end.
 const ROULETTE_ALWAYS_FROM: u32 = 32;
+/// From this bounce on fewer survive, so that the longest of many paths stays short.
+const ROULETTE_HARDER_FROM: u32 = 4096;
 /// Scattering into a direction of at least this density, in 1/sr, is like that of a mirror where caustics are left out:
 /// 50 times that of a diffuse surface at its densest; the middle of the reflection of facets of α ≤ 0.07 is above it.
 pub const MIRROR_LIKE: f32 = 16.0;
@@ -190,10 +192,10 @@ impl<'a> Kernel<'a> {
                 albedo: Vec3::ZERO,
             },
         };
-        // In a medium of index n radiance is n² times that outside; the camera itself is filled with air.
-        let camera_ior = self.camera_media.ior_around(PrimRef::NONE.object);
-        let mut eta_scale = camera_ior * camera_ior;
-        let mut throughput = Vec3::splat(1.0 / eta_scale);
+        // In a medium of index n radiance is n² times that outside. Paths carry radiance over n², which no refraction
+        // changes: what comes from the environment, which stands in air as the camera does, keeps its share whatever
+        // surfaces are open, cut by the camera or too thin to be told apart. Emitters in a medium give 1/n² of theirs.
+        let mut throughput = Vec3::ONE;
         let mut from = Departure {
             p: ray.origin,
             n: Vec3::ZERO,
@@ -201,7 +203,8 @@ impl<'a> Kernel<'a> {
             pdf: None,
             way: Way::Any,
         };
-        let mut media = self.camera_media;
+        let mut media = self.camera_media.clone();
+        let mut left: Option<DVec3> = None;
         let mut bounce = 1u32; // 1 is the first surface
         let mut passes = 0u32;
         loop {
@@ -213,6 +216,17 @@ impl<'a> Kernel<'a> {
                 return out;
             };
             let surface = scene.geometry.surface(&ray, &hit);
+            if !media.is_empty() {
+                // From point to point: the ray itself starts a little beside the surface it left.
+                let way = match &left {
+                    Some(left) => (surface.exact() - *left).length() as f32,
+                    None => hit.t,
+                };
+                throughput *= media.transmittance(way);
+            }
+            if scene.traits.solids {
+                left = Some(surface.exact());
+            }
             let material = &scene.materials[surface.material as usize];
             let computed;
             let attributes = if material.needs_attributes {
@@ -221,9 +235,6 @@ impl<'a> Kernel<'a> {
             } else {
                 &NO_ATTRIBUTES
             };
-            if !media.is_empty() {
-                throughput *= media.transmittance(hit.t);
-            }
             let wo = -ray.dir;
             let front = wo.dot(surface.ng) >= 0.0;
             let outer_ior = if scene.traits.solids {
@@ -246,7 +257,7 @@ impl<'a> Kernel<'a> {
             }
             if material.emits_front {
                 let emitted = material.emission(&shading, front);
-                out.radiance += throughput * emitted * self.hit_weight(&ray, &from, &surface, hit.t);
+                out.radiance += throughput * emitted * (self.hit_weight(&ray, &from, &surface, hit.t) * media.basic());
             }
             if bounce > self.max_depth && !self.aovs {
                 return out;
@@ -317,11 +328,9 @@ impl<'a> Kernel<'a> {
                 stats.anomalies.count(Anomaly::ShadingRejected, 1);
                 return out;
             };
-            throughput *= s.weight;
+            throughput *= s.weight * (s.eta * s.eta);
             if crosses && material.interior {
-                if !front {
-                    media.leave(surface.prim.object);
-                } else if !media.enter(surface.prim.object, material.ior, material.absorption) {
+                if !media.cross(surface.prim.object, front, material) {
                     stats.anomalies.count(Anomaly::StackOverflow, 1);
                     return out;
                 }
@@ -335,11 +344,9 @@ impl<'a> Kernel<'a> {
                 ray = go_on(&ray, &surface);
                 continue;
             }
-            eta_scale *= s.eta * s.eta;
 
             if bounce >= self.roulette_from {
-                let most = if bounce >= ROULETTE_ALWAYS_FROM { 0.98 } else { 1.0 };
-                let survival = (throughput.max_element() * eta_scale).min(most);
+                let survival = throughput.max_element().min(most_survival(bounce));
                 if scatter[3] >= survival {
                     return out;
                 }
@@ -361,6 +368,7 @@ impl<'a> Kernel<'a> {
             ray = Ray {
                 origin: offset_origin(surface.p, surface.p_error, surface.ng, wi),
                 dir: wi,
+                dir_low: Vec3::ZERO,
                 t_max: f32::INFINITY,
                 from: surface.prim,
                 to: PrimRef::NONE,
@@ -425,6 +433,20 @@ impl<'a> Kernel<'a> {
             (Some(_), Direct::Light) => f32::from(u8::from(light_pdf() == 0.0)),
         }
     }
+}
+
+/// The largest probability of surviving the k-th bounce: 1, from 32 on 1 − 1/k, from 4096 on 1 − 2/k.
+///
+/// Of lossless paths 32/k reach bounce k, with a weight of k/32. A fixed share instead, 1 − a, lets the weights of a room
+/// of albedo 1 − ε grow like ((1 − ε)/(1 − a))^k and is of infinite variance for ε < a/2; growing like k they cost a
+/// room that sums 1/ε bounces a relative variance of 1/(384·ε) at most.
+fn most_survival(bounce: u32) -> f32 {
+    let lost = match bounce {
+        0..ROULETTE_ALWAYS_FROM => return 1.0,
+        ROULETTE_ALWAYS_FROM..ROULETTE_HARDER_FROM => 1.0,
+        _ => 2.0,
+    };
+    1.0 - lost / bounce as f32
 }
 
 /// A vector whose length is 1 but for rounding, brought nearer to 1: one Newton step for 1/√x at x ≈ 1, which squares

@@ -79,6 +79,8 @@ pub struct Interp<'a> {
     pub names: Interner,
     /// Identifiers.
     pub scopes: Scopes,
+    /// Whether `transmit` behind a colour belongs to what holds the colour.
+    pub colors_end_at_transmit: bool,
     /// The scene as described so far.
     pub scene: SceneDesc,
     /// The language version in force, e.g. 3.7.
@@ -132,6 +134,7 @@ impl<'a> Interp<'a> {
         diags: &'a mut Diagnostics,
     ) -> Interp<'a> {
         Interp {
+            colors_end_at_transmit: false,
             files,
             options,
             sources,

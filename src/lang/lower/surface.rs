@@ -86,6 +86,13 @@ impl Interp<'_> {
             self.bump();
             let n = &mut items.numbers;
             match w {
+                Word::Color if items.word == Word::Translucent && self.peek().t != T::Word(Word::Pigment) => {
+                    // `transmit` is a part of colours too; behind the colour of a sheet it is the sheet's.
+                    self.colors_end_at_transmit = true;
+                    let color = self.color_source();
+                    self.colors_end_at_transmit = false;
+                    items.color = Some(color?);
+                }
                 Word::Color | Word::BaseColor => items.color = Some(self.color_source()?),
                 Word::SpecularColor => items.more_colors[0] = Some(self.color_source()?),
                 Word::SheenColor => items.more_colors[1] = Some(self.color_source()?),
