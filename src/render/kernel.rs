@@ -4,6 +4,7 @@
 //! one scattered direction, roulette. A pass-through (coverage, straight transmission) does not count as a
 //! bounce: the path goes on as if the surface were not there, and light sampling looks through it as well.
 
+mod contact;
 mod direct;
 mod fold;
 mod start;
@@ -26,7 +27,7 @@ use glam::{DVec3, Vec2, Vec3};
 /// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
 const ROULETTE_FROM: u32 = 2;
 /// From this bounce on no path survives for certain, so that lossless rooms end.
-const ROULETTE_ALWAYS_FROM: u32 = 32;
+const ROULETTE_ALWAYS_FROM: u32 = 16;
 /// From this bounce on fewer survive, so that the longest of many paths stays short.
 const ROULETTE_HARDER_FROM: u32 = 4096;
 /// Scattering into a direction of at least this density, in 1/sr, is like that of a mirror where caustics are left out:
@@ -237,10 +238,14 @@ impl<'a> Kernel<'a> {
             };
             let wo = -ray.dir;
             let front = wo.dot(surface.ng) >= 0.0;
-            let outer_ior = if scene.traits.solids {
-                media.ior_around(surface.prim.object)
-            } else {
-                1.0
+            let contact = match material.interior && scene.traits.solids_touch {
+                true => self.contact(&ray, &surface, front),
+                false => None,
+            };
+            let outer_ior = match contact {
+                Some(next) if !front => next.material.ior,
+                _ if scene.traits.solids => media.ior_around(surface.prim.object),
+                _ => 1.0,
             };
             let shading = self.shading(attributes, outer_ior);
             if material.alpha != Alpha::Opaque {
@@ -330,7 +335,11 @@ impl<'a> Kernel<'a> {
             };
             throughput *= s.weight * (s.eta * s.eta);
             if crosses && material.interior {
-                if !media.cross(surface.prim.object, front, material) {
+                let mut is_known = media.cross(surface.prim.object, front, material);
+                if let Some(other) = contact {
+                    is_known &= media.cross(other.object, !front, other.material);
+                }
+                if !is_known {
                     stats.anomalies.count(Anomaly::StackOverflow, 1);
                     return out;
                 }
@@ -435,11 +444,11 @@ impl<'a> Kernel<'a> {
     }
 }
 
-/// The largest probability of surviving the k-th bounce: 1, from 32 on 1 − 1/k, from 4096 on 1 − 2/k.
+/// The largest probability of surviving the k-th bounce: 1, from 16 on 1 − 1/k, from 4096 on 1 − 2/k.
 ///
-/// Of lossless paths 32/k reach bounce k, with a weight of k/32. A fixed share instead, 1 − a, lets the weights of a room
+/// Of lossless paths 16/k reach bounce k, with a weight of k/16. A fixed share instead, 1 − a, lets the weights of a room
 /// of albedo 1 − ε grow like ((1 − ε)/(1 − a))^k and is of infinite variance for ε < a/2; growing like k they cost a
-/// room that sums 1/ε bounces a relative variance of 1/(384·ε) at most.
+/// room that sums 1/ε bounces a relative variance of about 1/(192·ε).
 fn most_survival(bounce: u32) -> f32 {
     let lost = match bounce {
         0..ROULETTE_ALWAYS_FROM => return 1.0,
