@@ -11,6 +11,8 @@ mod invariance;
 mod lamps;
 #[path = "hard/oblique.rs"]
 mod oblique;
+#[path = "hard/one_place.rs"]
+mod one_place;
 
 use pts::render::settings::Settings;
 use support::estimate::WHOLE;

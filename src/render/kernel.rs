@@ -21,13 +21,14 @@ use super::settings::Settings;
 use super::surface::{Attributes, Surface};
 use super::technique::{Direct, Roulette, SamplerKind};
 use crate::math::robust::offset_origin;
+use contact::contact;
 use fold::Sides;
 use glam::{DVec3, Vec2, Vec3};
 
 /// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
 const ROULETTE_FROM: u32 = 2;
 /// From this bounce on no path survives for certain, so that lossless rooms end.
-const ROULETTE_ALWAYS_FROM: u32 = 16;
+const ROULETTE_ALWAYS_FROM: u32 = 32;
 /// From this bounce on fewer survive, so that the longest of many paths stays short.
 const ROULETTE_HARDER_FROM: u32 = 4096;
 /// Scattering into a direction of at least this density, in 1/sr, is like that of a mirror where caustics are left out:
@@ -238,8 +239,8 @@ impl<'a> Kernel<'a> {
             };
             let wo = -ray.dir;
             let front = wo.dot(surface.ng) >= 0.0;
-            let contact = match material.interior && scene.traits.solids_touch {
-                true => self.contact(&ray, &surface, front),
+            let contact = match material.interior {
+                true => contact(scene, &ray, &surface, front),
                 false => None,
             };
             let outer_ior = match contact {
@@ -444,11 +445,11 @@ impl<'a> Kernel<'a> {
     }
 }
 
-/// The largest probability of surviving the k-th bounce: 1, from 16 on 1 − 1/k, from 4096 on 1 − 2/k.
+/// The largest probability of surviving the k-th bounce: 1, from 32 on 1 − 1/k, from 4096 on 1 − 2/k.
 ///
-/// Of lossless paths 16/k reach bounce k, with a weight of k/16. A fixed share instead, 1 − a, lets the weights of a room
+/// Of lossless paths 32/k reach bounce k, with a weight of k/32. A fixed share instead, 1 − a, lets the weights of a room
 /// of albedo 1 − ε grow like ((1 − ε)/(1 − a))^k and is of infinite variance for ε < a/2; growing like k they cost a
-/// room that sums 1/ε bounces a relative variance of about 1/(192·ε).
+/// room that sums 1/ε bounces a relative variance of about 1/(384·ε).
 fn most_survival(bounce: u32) -> f32 {
     let lost = match bounce {
         0..ROULETTE_ALWAYS_FROM => return 1.0,
