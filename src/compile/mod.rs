@@ -90,9 +90,9 @@ pub fn compile_with(
         see_through: materials.iter().any(is_see_through),
         lamp_through_glass: lights.has_delta() && materials.iter().any(|m| m.interior),
         solids: materials.iter().any(|m| m.interior),
-        solids_touch: solids_touch(&geometry, &materials),
     };
     Some(CompiledScene {
+        contacts: contacts(&geometry, &materials),
         origin,
         camera: engine_camera?,
         geometry,
@@ -107,20 +107,31 @@ pub fn compile_with(
     })
 }
 
-/// Whether the boxes of two solids that refract or absorb meet; assumed of very many, and of planes.
-fn solids_touch(geometry: &Geometry, materials: &[Material]) -> bool {
-    const MOST: usize = 512;
+/// The boxes in which the boxes of two solids that refract or absorb meet; of very many, one around all solids.
+fn contacts(geometry: &Geometry, materials: &[Material]) -> Vec<(Vec3, Vec3)> {
+    const MOST: usize = 32;
+    const EVERYWHERE: (Vec3, Vec3) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
     let is_solid = |m: &u32| materials.get(*m as usize).is_some_and(|m| m.interior);
     let solids = (0u32..)
         .zip(geometry.objects())
         .filter(|(_, o)| o.materials.iter().any(is_solid));
-    let boxes: Vec<_> = solids.map(|(i, _)| geometry.bounds_of(i)).collect();
-    let meet = |a: &Option<(Vec3, Vec3)>, b: &Option<(Vec3, Vec3)>| match (a, b) {
-        (Some(a), Some(b)) => a.0.cmple(b.1).all() && b.0.cmple(a.1).all(),
-        _ => true,
-    };
-    let pairs = || (1..boxes.len()).flat_map(|i| (0..i).map(move |k| (i, k)));
-    boxes.len() > MOST || pairs().any(|(i, k)| meet(&boxes[i], &boxes[k]))
+    let boxes: Vec<_> = solids
+        .map(|(i, _)| geometry.bounds_of(i).unwrap_or(EVERYWHERE))
+        .collect();
+    let mut common = Vec::new();
+    for (i, a) in boxes.iter().enumerate() {
+        for b in &boxes[..i] {
+            let (min, max) = (a.0.max(b.0), a.1.min(b.1));
+            if min.cmple(max).all() {
+                common.push((min, max));
+            }
+            if common.len() > MOST {
+                let around = |x: (Vec3, Vec3), y: &(Vec3, Vec3)| (x.0.min(y.0), x.1.max(y.1));
+                return vec![boxes.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), around)];
+            }
+        }
+    }
+    common
 }
 
 /// The materials a leaf may show.

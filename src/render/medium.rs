@@ -35,11 +35,16 @@ impl MediumStack {
 
     /// From the innermost to the outermost.
     fn inward_out(&self) -> impl Iterator<Item = &Inside> {
-        self.further.iter().rev().chain(self.first.iter().rev().flatten())
+        let at_hand = &self.first[..(self.len as usize).min(Self::AT_HAND)];
+        self.further.iter().rev().chain(at_hand.iter().rev().flatten())
     }
 
+    #[inline(always)]
     fn innermost(&self) -> Option<&Inside> {
-        self.inward_out().next()
+        match self.further.last() {
+            None => self.first.get((self.len as usize).checked_sub(1)?)?.as_ref(),
+            last => last,
+        }
     }
 
     /// Goes through the surface of a solid, into it or out of it. False if the stack is full; the path must then end.
@@ -89,7 +94,11 @@ impl MediumStack {
 
     /// The index of refraction around a surface of `object`: that of the innermost other solid, 1 in free space.
     pub fn ior_around(&self, object: u32) -> f32 {
-        self.inward_out().find(|s| s.object != object).map_or(1.0, |s| s.ior)
+        match self.innermost() {
+            None => 1.0,
+            Some(s) if s.object != object => s.ior,
+            Some(_) => self.inward_out().find(|s| s.object != object).map_or(1.0, |s| s.ior),
+        }
     }
 
     /// 1/n² of the innermost solid: what radiance in it counts as in free space. 1 there.

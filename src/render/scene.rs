@@ -25,6 +25,8 @@ pub struct CompiledScene {
     pub backdrop: Option<Vec3>,
     /// What has to be watched for along a path.
     pub traits: SceneTraits,
+    /// Boxes in which solids that refract or absorb may touch: where one ends another may begin.
+    pub contacts: Vec<(Vec3, Vec3)>,
 }
 
 /// What a path has to watch for in this scene; what is false costs nothing.
@@ -36,6 +38,4 @@ pub struct SceneTraits {
     pub lamp_through_glass: bool,
     /// Some solid refracts or absorbs: paths keep track of what they are inside of.
     pub solids: bool,
-    /// Some of them may touch, by their boxes: where one ends another may begin.
-    pub solids_touch: bool,
 }

@@ -145,10 +145,15 @@ impl ShearedRay {
 /// large the triangle: no offset has to cover the rounding of the triangle's size. Edge-on, where the plane does
 /// not say, the corners do: the distance is at most the triangle's own depth away from them.
 #[inline(always)]
-fn distance(line: &Line, axis: usize, corners: [[f64; 3]; 3]) -> f64 {
+pub fn distance(line: &Line, axis: usize, corners: [[f64; 3]; 3]) -> f64 {
     let [v0, v1, v2] = corners.map(DVec3::from_array);
     let n = (v1 - v0).cross(v2 - v0);
-    let t = n.dot(v0 - line.o) / n.dot(line.d);
+    let along = n.dot(line.d);
+    let t = n.dot(v0 - line.o) / along;
+    const EDGE_ON: f64 = 1e-16; // the square of a cosine; 10⁵ roundings of f64 are left at 1e-8
+    if along * along > EDGE_ON * n.length_squared() * line.d.length_squared() {
+        return t;
+    }
     let depth = |v: DVec3| (v[axis] - line.o[axis]) / line.d[axis];
     let (a, b, c) = (depth(v0), depth(v1), depth(v2));
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));

@@ -149,7 +149,7 @@ fn inside([v0, v1, v2]: [DVec3; 3], cross: DVec3, p: DVec3) -> Option<[f64; 3]> 
     let b1 = d.cross(e2).dot(cross).max(0.0);
     let b2 = e1.cross(d).dot(cross).max(0.0);
     let b0 = (cross.length_squared() - b1 - b2).max(0.0);
-    let sum = b0 + b1 + b2;
-    let b = [b0 / sum, b1 / sum, b2 / sum];
+    let inverse = 1.0 / (b0 + b1 + b2);
+    let b = [b0 * inverse, b1 * inverse, b2 * inverse];
     b.iter().all(|x| x.is_finite()).then_some(b)
 }

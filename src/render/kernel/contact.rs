@@ -9,6 +9,7 @@ use crate::render::material::Material;
 use crate::render::ray::Ray;
 use crate::render::scene::CompiledScene;
 use crate::render::surface::Surface;
+use glam::Vec3;
 
 /// A second surface in the same place, entered where the first is left or the other way round.
 #[derive(Clone, Copy)]
@@ -22,12 +23,17 @@ pub(super) struct Contact<'a> {
 /// The solid that is entered where the ray leaves that of `surface` (`front` false), or left where it enters; `None` if
 /// there is none in contact, and where no solids touch.
 pub(super) fn contact<'a>(scene: &'a CompiledScene, ray: &Ray, surface: &Surface, front: bool) -> Option<Contact<'a>> {
-    let geometry = &scene.geometry;
-    if !scene.traits.solids_touch {
+    if scene.contacts.is_empty() {
         return None;
     }
+    let geometry = &scene.geometry;
     let origin = offset_origin(surface.p, surface.p_error, surface.ng, -ray.dir);
     let reach = (origin - surface.p).length();
+    let is_near =
+        |(min, max): &(Vec3, Vec3)| (surface.p + reach).cmpge(*min).all() && (surface.p - reach).cmple(*max).all();
+    if !scene.contacts.iter().any(is_near) {
+        return None;
+    }
     let cos = ray.dir.dot(surface.ng).abs();
     let probe = Ray {
         origin,
