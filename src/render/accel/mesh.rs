@@ -96,6 +96,12 @@ impl MeshTree {
         self.stack_need = 1000;
     }
 
+    /// Levels of the tree.
+    #[cfg(test)]
+    pub fn depth(&self) -> usize {
+        self.stack_need.saturating_sub(1) / (super::node::WIDTH - 1)
+    }
+
     /// Tests every triangle.
     #[cfg(test)]
     pub fn intersect_by_force(&self, origin: Vec3, dir: Vec3, found: &mut Candidates) {

@@ -39,7 +39,12 @@ fn random_turn(rng: &mut Pcg) -> DMat3 {
 /// Size and place of what is tested.
 fn spots(rng: &mut Pcg) -> [(f64, DVec3); 4] {
     let far = in_cube(rng);
-    [(1.0, DVec3::ZERO), (1.0, far * 1e3), (1e-5, far * 1e-5), (1e4, far * 1e5)]
+    [
+        (1.0, DVec3::ZERO),
+        (1.0, far * 1e3),
+        (1e-5, far * 1e-5),
+        (1e4, far * 1e5),
+    ]
 }
 
 /// A direction at a given angle above the plane with this frame (x, normal, z), rounded.
@@ -95,7 +100,10 @@ fn a_flat_floor_of_many_triangles_is_left_at_any_angle() {
 }
 
 fn triangle_light(mesh: &MeshData, map: &DAffine3, triangle: u32) -> TriangleLight {
-    let [a, b, c] = mesh.corners(triangle).expect("in range").map(|v| map.transform_point3(v.as_dvec3()));
+    let [a, b, c] = mesh
+        .corners(triangle)
+        .expect("in range")
+        .map(|v| map.transform_point3(v.as_dvec3()));
     TriangleLight {
         p0: a.as_vec3(),
         e1: (b - a).as_vec3(),
@@ -104,7 +112,10 @@ fn triangle_light(mesh: &MeshData, map: &DAffine3, triangle: u32) -> TriangleLig
         radiance: Vec3::ONE,
         two_sided: true,
         textured: false,
-        prim: PrimRef { object: 0, prim: triangle },
+        prim: PrimRef {
+            object: 0,
+            prim: triangle,
+        },
     }
 }
 
@@ -126,18 +137,25 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
             for (size, place) in spots(&mut rng) {
                 let map = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(size)), place);
                 let geometry = single(mesh.clone(), map);
+                // Rounded corners tilt triangles of size 1/n by n·√3·2⁻²³ at most against each other: below, the lamp
+                // truly shades itself.
+                let tilt = f64::from(n) * 3f64.sqrt() * f64::from(f32::EPSILON);
                 for _ in 0..400 {
                     let triangle = rng.next_u32() % (2 * n * n);
                     let light = triangle_light(&mesh, &map, triangle);
-                    for (k, &angle) in ANGLES.iter().enumerate() {
+                    for (k, &angle) in ANGLES.iter().enumerate().filter(|a| *a.1 > tilt) {
                         let q = DVec3::new(signed(&mut rng), 0.0, signed(&mut rng)) * 0.5;
-                        let p = map.transform_point3(turn * q + beside(&turn, angle, &mut rng)).as_vec3();
+                        let p = map
+                            .transform_point3(turn * q + beside(&turn, angle, &mut rng))
+                            .as_vec3();
                         let receiver = Receiver {
                             p,
                             n: Vec3::ZERO,
                             two_sided: true,
                         };
-                        let Some(aim) = light.sample(&receiver, rng.next_vec2()) else { continue };
+                        let Some(aim) = light.sample(&receiver, rng.next_vec2()) else {
+                            continue;
+                        };
                         tried[k] += 1;
                         // The start may be moved aside, as it is off a surface of loose points.
                         let aside = direction(&mut rng) * (aim.distance * 1e-4 * rng.next_f32().powi(8));
@@ -154,7 +172,7 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
             }
         }
     }
-    assert!(tried.iter().all(|&n| n > 10_000), "{tried:?}");
+    assert!(tried.iter().take(6).all(|&n| n > 10_000), "{tried:?}");
     assert_eq!(blocked, [0; ANGLES.len()], "of {tried:?}");
 }
 
@@ -201,7 +219,9 @@ fn a_box_lamp_does_not_shade_its_own_faces() {
                         let u = Vec2::new(rng.next_f32(), rng.next_f32());
                         // Close to the rim more often than by chance.
                         let u = if k % 2 == 0 { u } else { u * 1e-5 };
-                        let Some(aim) = light.sample(&receiver, u) else { continue };
+                        let Some(aim) = light.sample(&receiver, u) else {
+                            continue;
+                        };
                         tried[k] += 1;
                         let ray = Ray {
                             t_max: aim.t_max,

@@ -62,7 +62,11 @@ impl Face {
     fn bound(&self, ray: &Ray, t: f64, slope: f64) -> f64 {
         let o = self.inverse.point(Exact3::new(ray.origin.as_dvec3())).value();
         let d = self.inverse.vector(Exact3::new(ray.dir.as_dvec3())).value();
-        let far = self.corners.iter().map(|v| (v.as_dvec3() - o).length()).fold(0.0, f64::max);
+        let far = self
+            .corners
+            .iter()
+            .map(|v| (v.as_dvec3() - o).length())
+            .fold(0.0, f64::max);
         let largest = far + o.length() + t * d.length();
         let (longest, area) = self.size();
         let moved = 6.0 * U * largest;
@@ -88,7 +92,13 @@ fn hit_is_right(geometry: &Geometry, map: &DAffine3, ray: &Ray, hit: &Hit) -> Re
     let bound = face.bound(ray, t, gradient.dot(d).abs());
     prop_assert!(g.abs() <= bound, "t = {t} is {g} off, bound {bound}: {ray:?} {hit:?}");
     let exact = gradient.normalize();
-    prop_assert!((s.ng.as_dvec3() - exact).abs().max_element().min((s.ng.as_dvec3() + exact).abs().max_element()) < 4.0 * U);
+    prop_assert!(
+        (s.ng.as_dvec3() - exact)
+            .abs()
+            .max_element()
+            .min((s.ng.as_dvec3() + exact).abs().max_element())
+            < 4.0 * U
+    );
     Ok(s)
 }
 
@@ -116,7 +126,9 @@ fn triangles_of_any_shape_anywhere() {
         let b = [rng.next_f64(), rng.next_f64(), rng.next_f64()];
         let inner: DVec3 = (0..3).map(|i| corners[i].as_dvec3() * b[i]).sum::<DVec3>() / b.iter().sum::<f64>();
         let away = p.size * [3.0, 0.1, 30.0, 1e3][(p.seed % 4) as usize];
-        let start = map.transform_point3(inner + direction(&mut rng).as_dvec3() * away).as_vec3();
+        let start = map
+            .transform_point3(inner + direction(&mut rng).as_dvec3() * away)
+            .as_vec3();
         let ray = Ray::new(start, (map.transform_point3(inner) - start.as_dvec3()).as_vec3());
         let Some(hit) = geometry.closest(&ray) else {
             return Ok(());
@@ -130,7 +142,12 @@ fn triangles_of_any_shape_anywhere() {
         }
         Ok(())
     });
-    assert!(hits.get() > 6000 && left.get() > 50_000, "{} {}", hits.get(), left.get());
+    assert!(
+        hits.get() > 6000 && left.get() > 50_000,
+        "{} {}",
+        hits.get(),
+        left.get()
+    );
 }
 
 #[test]

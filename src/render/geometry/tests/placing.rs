@@ -38,12 +38,20 @@ pub fn linear() -> impl Strategy<Value = DMat3> {
     let triple = move || (unit(), unit(), unit()).prop_map(|(x, y, z)| DVec3::new(x, y, z));
     (triple(), triple(), triple(), 0..4u32, any::<bool>()).prop_map(|(turn, stretch, shear, kind, mirror)| {
         let turn = DMat3::from_quat(DQuat::from_scaled_axis(turn * std::f64::consts::PI));
-        let mut scale = if kind == 0 { DVec3::ONE } else { stretch.map(|x| 1e3f64.powf(x)) };
+        let mut scale = if kind == 0 {
+            DVec3::ONE
+        } else {
+            stretch.map(|x| 1e3f64.powf(x))
+        };
         if mirror {
             scale.x = -scale.x;
         }
         let shear = if kind == 3 { shear * 3.0 } else { DVec3::ZERO };
-        let shear = DMat3::from_cols(DVec3::X, DVec3::new(shear.x, 1.0, 0.0), DVec3::new(shear.y, shear.z, 1.0));
+        let shear = DMat3::from_cols(
+            DVec3::X,
+            DVec3::new(shear.x, 1.0, 0.0),
+            DVec3::new(shear.y, shear.z, 1.0),
+        );
         shear * turn * DMat3::from_diagonal(scale)
     })
 }

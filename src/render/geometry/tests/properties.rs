@@ -87,7 +87,11 @@ impl Judge {
         let first = v.local_gradient.abs().dot(own) + v.gradient.dot(d).abs() * step;
         let moved = own.length() + (self.back * d.abs()).length() * step;
         let bound = first + v.curvature * moved * moved;
-        prop_assert!(v.g.abs() <= bound, "t = {t}: {} off, bound {bound}, {ray:?} {hit:?}", v.g);
+        prop_assert!(
+            v.g.abs() <= bound,
+            "t = {t}: {} off, bound {bound}, {ray:?} {hit:?}",
+            v.g
+        );
         Ok(())
     }
 
@@ -96,7 +100,11 @@ impl Judge {
         let v = self.truth.at(face, Exact3::new(p.as_dvec3()));
         let moved = (self.back * error.as_dvec3()).length();
         let bound = v.gradient.abs().dot(error.as_dvec3()) + v.curvature * moved * moved;
-        prop_assert!(v.g.abs() <= bound, "{p} ± {error}: {} off, bound {bound}, face {face}", v.g);
+        prop_assert!(
+            v.g.abs() <= bound,
+            "{p} ± {error}: {} off, bound {bound}, face {face}",
+            v.g
+        );
         Ok(v)
     }
 
@@ -149,7 +157,10 @@ impl Judge {
                 Kind::Hollow(radius) if outward && v.curvature.max(1.0) * loose < 1e-3 * sine => {
                     add(&tally.left);
                     let chord = again.map_or(f64::INFINITY, |h| f64::from(h.t) * local.length());
-                    prop_assert!(chord >= 1.8 * radius * sine, "met again at {chord}, sine {sine}: {next:?}");
+                    prop_assert!(
+                        chord >= 1.8 * radius * sine,
+                        "met again at {chord}, sine {sine}: {next:?}"
+                    );
                 }
                 _ => {}
             }
@@ -175,7 +186,10 @@ fn judge_all(seed: u64, cases: u32, least: [usize; 3], make: impl Fn(&Placing) -
         Ok(())
     });
     let got = [tally.hits.get(), tally.left.get(), tally.inside.get()];
-    assert!((0..3).all(|i| got[i] >= least[i]), "only {got:?} hits, leavings, crossings");
+    assert!(
+        (0..3).all(|i| got[i] >= least[i]),
+        "only {got:?} hits, leavings, crossings"
+    );
 }
 
 #[test]
@@ -226,8 +240,12 @@ fn flat_boxes_under_any_map() {
 
 #[test]
 fn cylinders_under_any_map() {
-    solids(6, 2000, [3000, 10_000, 3000], Kind::Convex, |_| Solid::Cylinder { open: false });
-    solids(7, 1500, [2000, 5000, 500], Kind::OpenConvex, |_| Solid::Cylinder { open: true });
+    solids(6, 2000, [3000, 10_000, 3000], Kind::Convex, |_| Solid::Cylinder {
+        open: false,
+    });
+    solids(7, 1500, [2000, 5000, 500], Kind::OpenConvex, |_| Solid::Cylinder {
+        open: true,
+    });
 }
 
 #[test]
@@ -255,7 +273,13 @@ fn tori_under_any_map() {
     for (i, minor) in [0.25, 0.02, 0.9].into_iter().enumerate() {
         // Seen from the hole the ring curves with R − r; the tube itself only bulges.
         let kind = Kind::Hollow(1.0 - minor);
-        solids(11 + i as u64, 4000, [1000, 1500, 0], kind, |_| Solid::Torus { major: 1.0, minor });
+        solids(11 + i as u64, 4000, [1000, 1500, 0], kind, |_| Solid::Torus {
+            major: 1.0,
+            minor,
+        });
     }
-    solids(14, 4000, [4000, 0, 0], Kind::Any, |_| Solid::Torus { major: 0.5, minor: 0.8 });
+    solids(14, 4000, [4000, 0, 0], Kind::Any, |_| Solid::Torus {
+        major: 0.5,
+        minor: 0.8,
+    });
 }

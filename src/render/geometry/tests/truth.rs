@@ -75,7 +75,11 @@ fn local(solid: &Solid, face: u32, p: Exact3) -> (Dd, DVec3, f64) {
     match *solid {
         Solid::Sphere => {
             let r = p.dot(p).sqrt();
-            (r - one, q.normalize_or(DVec3::Y), 1.0 / r.value().max(f64::MIN_POSITIVE))
+            (
+                r - one,
+                q.normalize_or(DVec3::Y),
+                1.0 / r.value().max(f64::MIN_POSITIVE),
+            )
         }
         Solid::Box { min, max } => {
             let axis = (face / 2) as usize;
@@ -101,7 +105,11 @@ fn local(solid: &Solid, face: u32, p: Exact3) -> (Dd, DVec3, f64) {
                 (r - Dd::new(minor), n)
             };
             let ((g, n), inner) = (lobe(Dd::new(major)), lobe(-Dd::new(major)));
-            let (g, n) = if inner.0.abs().value() < g.abs().value() { inner } else { (g, n) };
+            let (g, n) = if inner.0.abs().value() < g.abs().value() {
+                inner
+            } else {
+                (g, n)
+            };
             let sharpest = minor.min(rho).max(f64::MIN_POSITIVE);
             (g, n, 2.0 / sharpest)
         }
