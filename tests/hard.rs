@@ -3,6 +3,8 @@
 
 mod support;
 
+#[path = "hard/catalogue.rs"]
+mod catalogue;
 #[path = "hard/everywhere.rs"]
 mod everywhere;
 #[path = "hard/invariance.rs"]
