@@ -339,6 +339,7 @@ impl Whole {
             "direct": settings["direct"],
             "confidence": CONFIDENCE,
             "error": error_to_json(error.as_ref()),
+            "anomalies": parts::anomalies_to_json(&parts::anomalies(header)),
         });
         let words = |list: &Value| -> Vec<String> {
             let words = list.as_array().into_iter().flatten().filter_map(Value::as_str);

@@ -2,6 +2,7 @@
 
 use super::accuracy::error_to_json;
 use super::args::RenderArgs;
+use super::parts::anomalies_to_json;
 use super::plan::Goal;
 use super::replay;
 use crate::files::Files;
@@ -120,6 +121,7 @@ pub fn describe(
         (error.worst, error.display) = (None, None);
     }
     value["error"] = error_to_json(error.as_ref());
+    value["anomalies"] = anomalies_to_json(&report.anomalies);
     let (technique, biased) = (settings.technique.flags(), args.sampling.technique().biased());
     stamp(&mut value, &technique, &biased, report.clamped);
     if with_story || report.stop == StopReason::Interrupted {

@@ -6,7 +6,7 @@ use super::metadata::filter_word;
 use super::replay;
 use crate::math::fnv::Fnv;
 use crate::render::kernel::PathStats;
-use crate::render::report::Anomalies;
+use crate::render::report::{Anomalies, Anomaly};
 use crate::render::settings::{Region, Settings};
 use crate::render::technique::Choice;
 use clap::ValueEnum;
@@ -21,8 +21,14 @@ pub struct Display {
     pub linear: bool,
 }
 
-/// The header of a part. `frame` is what all parts together are to cover.
-pub fn header(args: &RenderArgs, scene_hash: &str, settings: &Settings, display: Display) -> Value {
+/// The header of a part. `frame` is what all parts together are to cover; `anomalies` are those of the scene.
+pub fn header(
+    args: &RenderArgs,
+    scene_hash: &str,
+    settings: &Settings,
+    display: Display,
+    anomalies: &Anomalies,
+) -> Value {
     let view = &args.view;
     let choices = json!({
         "width": settings.width,
@@ -57,7 +63,7 @@ pub fn header(args: &RenderArgs, scene_hash: &str, settings: &Settings, display:
         "biased": args.sampling.technique().biased(),
         "clamped": 0,
         "rays": 0,
-        "anomalies": anomalies_to_json(&Anomalies::default()),
+        "anomalies": anomalies_to_json(anomalies),
     })
 }
 
@@ -125,7 +131,7 @@ pub fn difference(found: &Value, expected: &Value) -> Option<String> {
 /// Adds what happened while samples were taken.
 pub fn add_stats(header: &mut Value, stats: &PathStats) {
     let mut before = anomalies(header);
-    before.add(&stats.anomalies);
+    before.join(&stats.anomalies);
     header["anomalies"] = anomalies_to_json(&before);
     header["rays"] = json!(rays(header) + stats.rays);
     header["clamped"] = json!(clamped(header) + stats.clamped);
@@ -141,20 +147,16 @@ pub fn rays(header: &Value) -> u64 {
     header["rays"].as_u64().unwrap_or(0)
 }
 
-/// What should not have happened while a part was rendered.
+/// What was mended in the scene and went wrong while a part was rendered.
 pub fn anomalies(header: &Value) -> Anomalies {
-    let count = |name: &str| header["anomalies"][name].as_u64().unwrap_or(0);
-    Anomalies {
-        non_finite: count("non_finite"),
-        shading_rejected: count("shading_rejected"),
-        stack_overflow: count("stack_overflow"),
+    let mut found = Anomalies::default();
+    for kind in Anomaly::ALL {
+        found.count(kind, header["anomalies"][kind.word()].as_u64().unwrap_or(0));
     }
+    found
 }
 
-fn anomalies_to_json(found: &Anomalies) -> Value {
-    json!({
-        "non_finite": found.non_finite,
-        "shading_rejected": found.shading_rejected,
-        "stack_overflow": found.stack_overflow,
-    })
+/// Every kind with its number, zeros too.
+pub fn anomalies_to_json(found: &Anomalies) -> Value {
+    found.iter().map(|(kind, n)| (kind.word(), n)).collect()
 }

@@ -6,7 +6,7 @@ use super::outputs::{self, Finished, Targets};
 use super::parts::{self, Display};
 use super::plan::{self, Goal};
 use super::progress::Meter;
-use super::summary::{Summary, is_goal_missed};
+use super::summary::{self, Summary, is_goal_missed};
 use super::{Exit, accuracy, checkpoint, metadata, replay, scene, signals};
 use crate::compile::compile_with;
 use crate::diag::{Diagnostics, SourceMap};
@@ -232,7 +232,7 @@ fn build<F: Files>(
     Ok(Some(Job {
         compiled,
         develop,
-        header: parts::header(args, &hash, &settings, display),
+        header: parts::header(args, &hash, &settings, display, diags.anomalies()),
         settings,
         goal,
         hash,
@@ -278,7 +278,8 @@ fn conclude(
     console: &Console,
 ) -> Exit {
     let (picture, mut report, tiles) = (rendered.picture, rendered.report, rendered.tiles);
-    report.anomalies = parts::anomalies(&header); // of all samples, also of those before a checkpoint
+    // Of the scene and of all samples, also of those before a checkpoint.
+    report.anomalies = parts::anomalies(&header);
     report.clamped = parts::clamped(&header);
     let report = &report;
     let interrupted = report.stop == StopReason::Interrupted;
@@ -320,6 +321,11 @@ fn conclude(
     if console.is_json() {
         console.event(&summary.event(exit.code()));
     } else if console.is_quiet() {
+        if !report.anomalies.is_empty() {
+            summary::anomalies(&report.anomalies)
+                .iter()
+                .for_each(|line| console.warn(line.trim_start()));
+        }
         // Nobody shall take a goal for reached who was not told how little that means.
         let doubt = report.error.as_ref().and_then(accuracy::doubt);
         if let Some(doubt) = doubt.filter(|_| job.goal.error_was_asked) {

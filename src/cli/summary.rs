@@ -2,8 +2,9 @@
 
 use super::accuracy::{self, error_to_json, forecast_to_json};
 use super::metadata::{bias_words, stop_word};
+use super::parts::anomalies_to_json;
 use super::plan::Goal;
-use crate::math::words::{clock, count, duration};
+use crate::math::words::{clock, count, duration, grouped};
 use crate::render::report::{Anomalies, Report, StopReason};
 use crate::render::settings::Settings;
 use serde_json::{Value, json};
@@ -104,7 +105,7 @@ impl Summary<'_> {
 
     /// As the last JSON event.
     pub fn event(&self, exit: u8) -> Value {
-        let (report, anomalies) = (self.report, &self.report.anomalies);
+        let report = self.report;
         json!({
             "event": "done",
             "exit": exit,
@@ -118,11 +119,7 @@ impl Summary<'_> {
             "stop": stop_word(report.stop),
             "error": error_to_json(report.error.as_ref()),
             "forecast": forecast_to_json(report.forecast.as_ref()),
-            "anomalies": {
-                "non_finite": anomalies.non_finite,
-                "shading_rejected": anomalies.shading_rejected,
-                "stack_overflow": anomalies.stack_overflow,
-            },
+            "anomalies": anomalies_to_json(&report.anomalies),
             "biased": self.biased,
             "clamped": report.clamped,
             "view": self.view,
@@ -136,29 +133,20 @@ pub fn is_goal_missed(goal: &Goal, report: &Report) -> bool {
     accuracy::is_missed(&goal.rules, report.error.as_ref(), report.stop)
 }
 
-fn anomalies(found: &Anomalies) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut tell = |n: u64, text: &str| {
-        if n > 0 {
-            lines.push(format!("  {n} {text}"));
-        }
-    };
-    tell(found.non_finite, "samples were not finite and count as black");
-    tell(
-        found.stack_overflow,
-        "paths ended because media or surfaces are nested too deeply",
-    );
-    tell(
-        found.shading_rejected,
-        "paths ended where smoothed normals scatter through the surface",
-    );
-    lines
+/// What was repaired or left out, a kind a line; one line where nothing was.
+pub fn anomalies(found: &Anomalies) -> Vec<String> {
+    if found.is_empty() {
+        return vec!["  anomalies: none".to_owned()];
+    }
+    let told = found.iter().filter(|(_, n)| *n > 0);
+    told.map(|(kind, n)| format!("  anomalies: {} {}", grouped(n), kind.sentence()))
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::report::ErrorEstimate;
+    use crate::render::report::{Anomaly, ErrorEstimate};
     use crate::render::settings::StopRules;
 
     fn report(stop: StopReason, bound: Option<f64>) -> Report {
@@ -210,7 +198,7 @@ mod tests {
     #[test]
     fn the_summary_tells_files_error_reason_anomalies_and_replay() {
         let mut report = report(StopReason::Samples, Some(0.05));
-        report.anomalies.non_finite = 12;
+        report.anomalies.count(Anomaly::NonFinite, 12);
         let (settings, goal) = (Settings::new(8, 4, 256), goal(Some(0.03)));
         let summary = Summary {
             written: &["a.png".to_owned(), "a.exr".to_owned()],
@@ -228,7 +216,7 @@ mod tests {
             "error 4.5 %, below 5 % with 90 % confidence",
             "the error goal of 3 % is not reached",
             "\n  view: albedo\n",
-            "12 samples were not finite",
+            "anomalies: 12 samples were not finite",
             "biased: --clamp 10 (12 345 samples clamped), --no-caustics",
             "again: pts render a.pts",
         ] {

@@ -1,6 +1,6 @@
 //! Groups become leaves: every shape with its own transform, material and visibility.
 
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::scene::{MaterialId, Object, Scene, Shape, Visibility};
 use glam::DAffine3;
 
@@ -38,6 +38,7 @@ pub fn leaves<'a>(scene: &'a Scene, diags: &mut Diagnostics) -> Vec<Leaf<'a>> {
                         "C0101",
                         "an object's transform is singular or not finite: it is left out",
                     )
+                    .counting(Anomaly::DroppedShape, 1)
                     .hint("a scale factor may be zero; give every axis a size"),
                     &leaf.object.place,
                 ));

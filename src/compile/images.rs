@@ -1,6 +1,6 @@
 //! Images that are used, decoded once.
 
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::files::Files;
 use crate::math::color::linear_from_srgb;
 use crate::pictures::{self, Limits, Picture, Texels};
@@ -41,17 +41,17 @@ impl<'a> Images<'a> {
             .collect();
         new.sort();
         new.dedup();
-        let decoded: Vec<_> = new
-            .par_iter()
-            .map(|id| self.decode(*id).map(|p| ImageData::new(p.width, p.height, p.texels)))
-            .collect();
+        let decoded: Vec<_> = new.par_iter().map(|id| self.decode(*id)).collect();
         for (id, result) in new.into_iter().zip(decoded) {
             let place = match result {
-                Ok(Some(data)) => {
-                    self.data.push(data);
-                    Some(self.data.len() as u32 - 1)
+                Ok(mut picture) => {
+                    let numbers = picture.texels.floats_mut();
+                    self.tell_bad(id, zero_where(numbers, |v| !v.is_finite()), diags);
+                    ImageData::new(picture.width, picture.height, picture.texels).map(|data| {
+                        self.data.push(data);
+                        self.data.len() as u32 - 1
+                    })
                 }
-                Ok(None) => None,
                 Err(d) => {
                     diags.push(d.hint("the picture is made without this image"));
                     None
@@ -82,21 +82,24 @@ impl<'a> Images<'a> {
         sum.map(|s| s / n)
     }
 
-    /// An image as radiance: floats as they are, integers decoded from sRGB. A failure is an error: without its
+    /// An image as radiance, times `strength`: floats as they are, integers decoded from sRGB. A failure is an error: without its
     /// environment the picture would not be the scene.
-    pub fn radiance(&mut self, id: ImageId, diags: &mut Diagnostics) -> Option<Radiance> {
+    pub fn radiance(&mut self, id: ImageId, strength: f64, diags: &mut Diagnostics) -> Option<Radiance> {
         match self.decode(id) {
             Ok(picture) => {
                 let float = picture.is_float();
                 let linear = |v: f32| {
-                    if float {
-                        v
-                    } else {
-                        linear_from_srgb(f64::from(v)) as f32
-                    }
+                    let v = f64::from(v);
+                    (strength * if float { v } else { linear_from_srgb(v) }) as f32
                 };
                 let texels = (0..picture.texels.len()).filter_map(|i| picture.texels.rgba(i));
-                let texels = texels.map(|[r, g, b, _]| [r, g, b].map(linear)).collect();
+                let mut texels: Vec<_> = texels.map(|[r, g, b, _]| [r, g, b].map(linear)).collect();
+                let is_no_light = |v: f32| !(v >= 0.0 && v.is_finite());
+                self.tell_bad(
+                    id,
+                    zero_where(texels.iter_mut().map(|t| &mut t[..]), is_no_light),
+                    diags,
+                );
                 Some((picture.width, picture.height, texels))
             }
             Err(mut d) => {
@@ -110,6 +113,14 @@ impl<'a> Images<'a> {
     /// The engine's images.
     pub fn into_data(self) -> Vec<ImageData> {
         self.data
+    }
+
+    fn tell_bad(&self, id: ImageId, bad: u64, diags: &mut Diagnostics) {
+        if let (1.., Some(image)) = (bad, self.scene.images.get(id.index())) {
+            let message = format!("{bad} texels are no light or not finite; they count as 0");
+            let told = Diagnostic::warning("I0103", message).in_place(image.name.clone());
+            diags.push(referred_to(told.counting(Anomaly::BadTexel, bad), image));
+        }
     }
 
     fn decode(&self, id: ImageId) -> Result<Picture, Diagnostic> {
@@ -136,6 +147,16 @@ impl<'a> Images<'a> {
         };
         result.map_err(|d| referred_to(d, image))
     }
+}
+
+/// Sets numbers that are `bad` to 0. Returns how many texels had one.
+fn zero_where<'t>(texels: impl Iterator<Item = &'t mut [f32]>, bad: impl Fn(f32) -> bool) -> u64 {
+    let mut found = 0;
+    for texel in texels {
+        found += u64::from(texel.iter().any(|v| bad(*v)));
+        texel.iter_mut().filter(|v| bad(**v)).for_each(|v| *v = 0.0);
+    }
+    found
 }
 
 /// A failed image is a warning, told where it was referred to.

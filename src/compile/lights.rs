@@ -1,7 +1,7 @@
 //! Lamps and the environment become the engine's lights.
 
 use super::images::Images;
-use crate::diag::Diagnostics;
+use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::render::light::{
     AreaLamp, DirectionalLamp, EnvironmentImage, EnvironmentLight, Falloff, Light, PointLamp, SpotLamp, SpotProfile,
 };
@@ -9,10 +9,15 @@ use crate::scene;
 use crate::scene::{EnvironmentKind, Handedness, LightKind, Scene};
 use glam::{DVec3, Vec3};
 
-/// All lamps of the scene that shine at all, relative to `origin`.
-pub fn lamps(scene: &Scene, origin: DVec3) -> Vec<Light> {
-    let shines = |l: &&scene::Light| l.color.max_element() > 0.0 && l.color.is_finite();
-    scene.lights.iter().filter(shines).map(|l| lamp(l, origin)).collect()
+/// All lamps of the scene that shine at all, relative to `origin`. One whose light is no number is left out.
+pub fn lamps(scene: &Scene, origin: DVec3, diags: &mut Diagnostics) -> Vec<Light> {
+    let (sound, bad): (Vec<_>, Vec<_>) = scene.lights.iter().partition(|l| l.color.as_vec3().is_finite());
+    if !bad.is_empty() {
+        let message = format!("{} lamps are brighter than numbers go: they are left out", bad.len());
+        diags.push(Diagnostic::warning("C0106", message).counting(Anomaly::DroppedShape, bad.len() as u64));
+    }
+    let shines = |l: &&scene::Light| l.color.max_element() > 0.0;
+    sound.into_iter().filter(shines).map(|l| lamp(l, origin)).collect()
 }
 
 fn lamp(light: &scene::Light, origin: DVec3) -> Light {
@@ -97,11 +102,12 @@ pub fn environment(scene: &Scene, images: &mut Images<'_>, diags: &mut Diagnosti
             image,
             strength,
             rotation,
-        } => images.radiance(*image, diags).and_then(|(width, height, mut texels)| {
-            texels.iter_mut().flatten().for_each(|v| *v *= *strength as f32);
-            let right_handed = scene.handedness == Handedness::Right;
-            EnvironmentImage::new(width, height, texels, *rotation, right_handed).map(EnvironmentLight::Image)
-        }),
+        } => images
+            .radiance(*image, *strength, diags)
+            .and_then(|(width, height, texels)| {
+                let right_handed = scene.handedness == Handedness::Right;
+                EnvironmentImage::new(width, height, texels, *rotation, right_handed).map(EnvironmentLight::Image)
+            }),
     };
     let mut backdrop = environment.backdrop.map(|c| c.as_vec3());
     if !environment.illuminates

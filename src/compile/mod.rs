@@ -75,7 +75,7 @@ pub fn compile_with(
     });
     images.decode_all(&materials::images_of(scene, used), diags);
 
-    let mut lamps = lights::lamps(scene, origin);
+    let mut lamps = lights::lamps(scene, origin, diags);
     lamps.extend(environment);
     let mut materials = materials::Materials::new(scene, &mut images, technique);
     let mut objects = objects::Objects::new(scene, origin, &mut materials, lamps);

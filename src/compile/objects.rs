@@ -2,7 +2,7 @@
 
 use super::flatten::Leaf;
 use super::materials::Materials;
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::math::robust::try_normalize_f64;
 use crate::render::geometry::{GeomObject, LightMap, MeshData};
 use crate::render::light::{DiscLight, Light, ParallelogramLight, SphereLight, TriangleLight};
@@ -70,7 +70,8 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         let material = self.materials.get(own, is_open(shape), diags);
         let Some(engine) = placed(shape, &world) else {
             diags.push(super::at_place(
-                Diagnostic::warning("C0103", "a shape without extent cannot be drawn: it is left out"),
+                Diagnostic::warning("C0103", "a shape without extent cannot be drawn: it is left out")
+                    .counting(Anomaly::DroppedShape, 1),
                 &leaf.object.place,
             ));
             return;
@@ -88,9 +89,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
     pub fn finish(&mut self, diags: &mut Diagnostics) {
         for (visibility, loose) in std::mem::take(&mut self.loose) {
             let (mesh, materials) = loose.into_mesh();
-            if mesh.dropped_faces > 0 {
-                diags.push(dropped("loose triangles", mesh.dropped_faces));
-            }
+            diags.count_anomaly(Anomaly::DroppedFace, mesh.dropped_faces);
             if mesh.triangles.is_empty() {
                 continue;
             }
@@ -121,9 +120,8 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         let index = match self.meshes_known.get(&id) {
             Some(&index) => index,
             None => {
-                if mesh.dropped_faces > 0 {
-                    diags.push(dropped(&mesh.name, mesh.dropped_faces));
-                }
+                // Whoever made the mesh has told where it has faces without area.
+                diags.count_anomaly(Anomaly::DroppedFace, mesh.dropped_faces);
                 self.meshes.push(mesh_data(mesh));
                 let index = self.meshes.len() as u32 - 1;
                 self.meshes_known.insert(id, index);
@@ -235,13 +233,6 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         }
         LightMap::First(first)
     }
-}
-
-fn dropped(name: &str, faces: u64) -> Diagnostic {
-    Diagnostic::warning(
-        "C0104",
-        format!("{name}: {faces} faces without area or with bad corners are left out"),
-    )
 }
 
 fn bits(v: Visibility) -> u8 {

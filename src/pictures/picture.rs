@@ -56,6 +56,17 @@ impl Texels {
         self.len() == 0
     }
 
+    /// The numbers of each texel where they are floats, which may be anything; nothing where they are integers.
+    pub fn floats_mut(&mut self) -> impl Iterator<Item = &mut [f32]> {
+        let (texels, channels): (&mut [f32], _) = match self {
+            Texels::GrayF32(t) => (t, 1),
+            Texels::RgbF32(t) => (t.as_flattened_mut(), 3),
+            Texels::RgbaF32(t) => (t.as_flattened_mut(), 4),
+            _ => (&mut [], 1),
+        };
+        texels.chunks_exact_mut(channels)
+    }
+
     /// Bytes that one texel takes in memory.
     pub fn bytes_per_texel(&self) -> usize {
         match self {

@@ -5,6 +5,7 @@
 //! bounce: the path goes on as if the surface were not there, and light sampling looks through it as well.
 
 mod direct;
+mod fold;
 mod start;
 
 use super::bsdf::Bsdf;
@@ -12,13 +13,14 @@ use super::light::{HitOnLight, mis_weight};
 use super::material::{Alpha, Shading};
 use super::medium::MediumStack;
 use super::ray::{PrimRef, Ray, ray_mask};
-use super::report::Anomalies;
+use super::report::{Anomalies, Anomaly};
 use super::sampler::{Group, Repeated, Sampler};
 use super::scene::CompiledScene;
 use super::settings::Settings;
 use super::surface::{Attributes, Surface};
 use super::technique::{Direct, Roulette, SamplerKind};
 use crate::math::robust::offset_origin;
+use fold::Sides;
 use glam::{Vec2, Vec3};
 
 /// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
@@ -165,7 +167,7 @@ impl<'a> Kernel<'a> {
         let ray = camera_ray(sampler.get4(0, Group::Primary));
         let mut sample = self.path(sampler, stats, ray);
         if !sample.radiance.is_finite() {
-            stats.anomalies.non_finite += 1;
+            stats.anomalies.count(Anomaly::NonFinite, 1);
             sample.radiance = Vec3::ZERO;
         }
         let brightest = sample.radiance.max_element();
@@ -234,7 +236,7 @@ impl<'a> Kernel<'a> {
                 let alpha = material.alpha(&shading);
                 if alpha < 1.0 && sampler.repeated(bounce, Repeated::Coverage, passes) >= alpha {
                     if passes == MOST_PASSES {
-                        stats.anomalies.stack_overflow += 1;
+                        stats.anomalies.count(Anomaly::StackOverflow, 1);
                         return out;
                     }
                     passes += 1;
@@ -278,6 +280,12 @@ impl<'a> Kernel<'a> {
                     Some(sampler.repeated4(bounce, Group::Light, passes)),
                 )
             };
+            let sides = Sides {
+                bsdf: &bsdf,
+                frame: &frame,
+                ng: surface.ng,
+                wo: wo_local,
+            };
             let delta_only = bsdf.is_delta_only();
             let two_sided = bsdf.transmits();
             let toward = if wo_local.z < 0.0 { -ns } else { ns };
@@ -289,7 +297,7 @@ impl<'a> Kernel<'a> {
                 if let Some(light) = sampled
                     && (light.delta || self.direct != Direct::Bsdf)
                 {
-                    let lit = self.lit(&light, &bsdf, &frame, wo_local, wo, &surface, &media, from.way, stats);
+                    let lit = self.lit(&light, &sides, &surface, &media, from.way, stats);
                     out.radiance += throughput * lit;
                 }
             }
@@ -304,23 +312,23 @@ impl<'a> Kernel<'a> {
             } else {
                 nearly_unit(wi)
             };
-            let crosses = s.wi.z * wo_local.z < 0.0;
-            if crosses != (wi.dot(surface.ng) * wo.dot(surface.ng) < 0.0) {
-                stats.anomalies.shading_rejected += 1;
+            let crosses = (s.wi.z < 0.0) != (wo_local.z < 0.0);
+            let Some((wi, pdf)) = sides.fold(&s, wi) else {
+                stats.anomalies.count(Anomaly::ShadingRejected, 1);
                 return out;
-            }
+            };
             throughput *= s.weight;
             if crosses && material.interior {
                 if !front {
                     media.leave(surface.prim.object);
                 } else if !media.enter(surface.prim.object, material.ior, material.absorption) {
-                    stats.anomalies.stack_overflow += 1;
+                    stats.anomalies.count(Anomaly::StackOverflow, 1);
                     return out;
                 }
             }
             if s.straight {
                 if passes == MOST_PASSES {
-                    stats.anomalies.stack_overflow += 1;
+                    stats.anomalies.count(Anomaly::StackOverflow, 1);
                     return out;
                 }
                 passes += 1;
@@ -343,11 +351,11 @@ impl<'a> Kernel<'a> {
                 p: surface.p,
                 n: toward,
                 two_sided,
-                pdf: (!s.delta).then_some(s.pdf),
+                pdf: (!s.delta).then_some(pdf),
                 way: if self.caustics {
                     Way::Any
                 } else {
-                    from.way.after(s.delta || s.pdf >= MIRROR_LIKE)
+                    from.way.after(s.delta || pdf >= MIRROR_LIKE)
                 },
             };
             ray = Ray {

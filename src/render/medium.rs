@@ -19,7 +19,7 @@ pub struct MediumStack {
 
 impl MediumStack {
     /// How deep solids may be nested.
-    pub const CAPACITY: usize = 8;
+    pub const CAPACITY: usize = 16;
 
     /// Whether the path is in free space.
     pub fn is_empty(&self) -> bool {

@@ -2,6 +2,7 @@
 
 pub use super::estimate::{Bounded, ErrorEstimate};
 pub use super::forecast::Forecast;
+pub use crate::diag::{Anomalies, Anomaly};
 
 /// A look at a running render, given to the observer after every tile.
 #[derive(Clone, Debug)]
@@ -60,26 +61,6 @@ pub enum StopReason {
     Interrupted,
 }
 
-/// Things that should not happen, counted by kind: nothing is repaired in silence.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Anomalies {
-    /// Samples with a NaN or infinite value; they count as black samples.
-    pub non_finite: u64,
-    /// Scattered directions that the shading normal allows and the geometric one does not; they end the path.
-    pub shading_rejected: u64,
-    /// Paths ended because media or surfaces were nested deeper than the stack holds.
-    pub stack_overflow: u64,
-}
-
-impl Anomalies {
-    /// Adds another tally.
-    pub fn add(&mut self, other: &Anomalies) {
-        self.non_finite += other.non_finite;
-        self.shading_rejected += other.shading_rejected;
-        self.stack_overflow += other.stack_overflow;
-    }
-}
-
 /// What a render did.
 #[derive(Clone, Debug)]
 pub struct Report {
@@ -97,7 +78,7 @@ pub struct Report {
     pub error: Option<ErrorEstimate>,
     /// What more time would have brought.
     pub forecast: Option<Forecast>,
-    /// What went wrong.
+    /// What went wrong with samples; what was mended in the scene is counted with its diagnostics.
     pub anomalies: Anomalies,
     /// Samples that were scaled down by [`super::technique::Technique::clamp`].
     pub clamped: u64,

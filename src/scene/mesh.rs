@@ -1,6 +1,7 @@
 //! Triangle meshes, stored in f32 around their own centre so that far-away scenes keep their precision.
 
 use super::MaterialId;
+use crate::math::robust::{try_normalize, try_normalize_f64};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// Indexed triangles. Optional attributes are empty or have one value per vertex.
@@ -97,4 +98,34 @@ impl Mesh {
     pub fn slot_material(&self, slot: u32) -> Option<MaterialId> {
         self.materials.get(slot as usize).copied().flatten()
     }
+}
+
+/// Makes shading normals unit. One without direction (zero, NaN or infinite) is replaced by the mean of the faces around
+/// its vertex, weighted by area; (0, 0, 1) where those have no direction either. Returns how many were replaced.
+/// `flipped` says that the faces' normals are −(v1 − v0) × (v2 − v0). Indices must be in range.
+pub fn mend_normals(normals: &mut [Vec3], positions: &[DVec3], triangles: &[[u32; 3]], flipped: bool) -> u64 {
+    let mut bad = 0;
+    for n in normals.iter_mut() {
+        *n = try_normalize(*n).unwrap_or_else(|| {
+            bad += 1;
+            Vec3::ZERO
+        });
+    }
+    if bad == 0 {
+        return 0;
+    }
+    let mut sums = vec![DVec3::ZERO; normals.len()];
+    for face in triangles {
+        let [a, b, c] = face.map(|v| positions[v as usize]);
+        let area = (b - a).cross(c - a) * if flipped { -1.0 } else { 1.0 };
+        if area.is_finite() {
+            face.iter().for_each(|&v| sums[v as usize] += area);
+        }
+    }
+    for (n, sum) in normals.iter_mut().zip(sums) {
+        if *n == Vec3::ZERO {
+            *n = try_normalize_f64(sum).unwrap_or(DVec3::Z).as_vec3();
+        }
+    }
+    bad
 }

@@ -24,7 +24,7 @@ pub use material::{
     ColorInput, EmissionSides, Finish, FinishReflection, Interior, Material, NormalMap, Opacity, OpacityMode,
     Principled, ScalarInput, SurfaceModel,
 };
-pub use mesh::Mesh;
+pub use mesh::{Mesh, mend_normals};
 pub use settings::{FilterKind, RenderDefaults};
 pub use shape::{Object, Shape, Visibility};
 pub use texture::{Channel, Encoding, ImageTexture, TexelFilter, Texture, Wrap};

@@ -3,6 +3,7 @@
 
 use super::Report;
 use super::document::extension;
+use crate::diag::Anomaly;
 use glam::DVec3;
 use serde_json::Value;
 use std::ops::RangeInclusive;
@@ -120,10 +121,7 @@ pub(super) fn limit(number: f64, range: RangeInclusive<f64>, at: &str, report: &
     } else {
         *range.start()
     };
-    report.warning(
-        "G0207",
-        at,
-        format!("is {number}, outside what it can mean; {used} is used"),
-    );
+    let message = format!("is {number}, outside what it can mean; {used} is used");
+    report.mended("G0207", at, message, Anomaly::MovedValue, 1);
     used
 }

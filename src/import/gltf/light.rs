@@ -2,6 +2,7 @@
 
 use super::Loader;
 use super::extension::{Fields, NOT_NEGATIVE};
+use crate::diag::Anomaly;
 use crate::scene::{Falloff, Light, LightKind, SpotProfile};
 use glam::{DAffine3, DVec3};
 use serde_json::Value;
@@ -44,7 +45,7 @@ impl Loader<'_> {
                 if inner >= outer {
                     let message =
                         format!("the inner cone angle {inner} is not below the outer {outer}; it is moved below");
-                    report.warning("G0801", &format!("{at}.spot"), message);
+                    report.mended("G0801", &format!("{at}.spot"), message, Anomaly::MovedValue, 1);
                 }
                 LightKind::Spot {
                     position,

@@ -2,7 +2,7 @@
 
 use super::Loader;
 use super::extension::{FINITE, Fields, NOT_NEGATIVE, UNIT, exact, limit};
-use crate::diag::Diagnostic;
+use crate::diag::{Anomaly, Diagnostic};
 use crate::scene::{
     Channel, ColorInput, EmissionSides, Encoding, Material, MaterialId, NormalMap, Opacity, OpacityMode, Principled,
     ScalarInput, SurfaceModel, Texture, TextureId,
@@ -250,7 +250,8 @@ impl Loader<'_> {
         }
         if distance <= 0.0 {
             let place = volume.place("attenuationDistance");
-            report.warning("G0207", &place, "is 0, expected more; nothing is absorbed");
+            let message = "is 0, expected more; nothing is absorbed";
+            report.mended("G0207", &place, message, Anomaly::MovedValue, 1);
             return DVec3::ZERO;
         }
         // Black would absorb without end; the least positive number is as black, and finite.

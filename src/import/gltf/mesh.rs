@@ -7,7 +7,7 @@ use super::deform::{Pose, unit_tangents};
 use super::document::extension;
 use super::part::{Part, join};
 use super::{tangent, triangles};
-use crate::diag::Diagnostic;
+use crate::diag::{Anomaly, Diagnostic};
 use crate::scene::{MaterialId, MeshId, SurfaceModel, Texture, TextureId};
 use glam::{DAffine2, Vec2, Vec3, Vec4};
 use gltf::json;
@@ -46,7 +46,14 @@ impl Loader<'_> {
         }
         let parts = self.read_parts(index, pose, at).unwrap_or_default();
         let name = self.doc.name("meshes", index);
-        let made: Rc<[MeshId]> = join(parts, &name).into_iter().map(|m| self.scene.add_mesh(m)).collect();
+        let infinite: u64 = parts.iter().map(|p| p.dropped).sum();
+        let meshes = join(parts, &name);
+        let flat = meshes.iter().map(|m| m.dropped_faces).sum::<u64>() - infinite;
+        if flat > 0 {
+            let d = Diagnostic::note("G0616", format!("{flat} faces have no area and are left out"));
+            self.report.push(&format!("meshes[{index}]"), d);
+        }
+        let made: Rc<[MeshId]> = meshes.into_iter().map(|m| self.scene.add_mesh(m)).collect();
         if is_plain {
             self.meshes.insert(index, made.clone());
         }
@@ -117,15 +124,14 @@ impl Loader<'_> {
             let at = place(&format!("TEXCOORD_{set}"));
             let uvs = self.attribute::<2>(accessor, UV, &order, vertices, &at)?;
             part.uvs.resize(set as usize, Vec::new());
-            part.uvs.push(self.finite_uvs(uvs, &at));
+            let mut uvs: Vec<Vec2> = uvs.into_iter().map(Vec2::from).collect();
+            self.finite_or(&mut uvs, Vec2::ZERO, Vec2::is_finite, &at);
+            part.uvs.push(uvs);
         }
         if let Some(accessor) = attribute(Semantic::Colors(0)) {
             let colors = self.attribute::<4>(accessor, COLOR, &order, vertices, &place("COLOR_0"))?;
             part.colors = colors.into_iter().map(Vec4::from).collect();
-            part.colors
-                .iter_mut()
-                .filter(|c| !c.is_finite())
-                .for_each(|c| *c = Vec4::ONE);
+            self.finite_or(&mut part.colors, Vec4::ONE, Vec4::is_finite, &place("COLOR_0"));
         }
         part.material = self.material_of(raw, !part.colors.is_empty(), at)?;
         self.check_uv_sets(&part, at);
@@ -291,20 +297,22 @@ impl Loader<'_> {
         }
     }
 
-    /// Texture coordinates that are not finite become (0, 0).
-    fn finite_uvs(&mut self, uvs: Vec<[f32; 2]>, at: &str) -> Vec<Vec2> {
-        let mut uvs: Vec<Vec2> = uvs.into_iter().map(Vec2::from).collect();
-        let bad = uvs.iter().filter(|uv| !uv.is_finite()).count();
-        if bad > 0 {
-            uvs.iter_mut()
-                .filter(|uv| !uv.is_finite())
-                .for_each(|uv| *uv = Vec2::ZERO);
-            self.report.warning(
-                "G0612",
-                at,
-                format!("{bad} of {} are not finite; (0, 0) is used", uvs.len()),
-            );
+    /// Values that are not finite become `instead`, with a warning.
+    fn finite_or<T: Copy + std::fmt::Display>(
+        &mut self,
+        values: &mut [T],
+        instead: T,
+        is_finite: fn(T) -> bool,
+        at: &str,
+    ) {
+        let mut bad = 0;
+        for value in values.iter_mut().filter(|v| !is_finite(**v)) {
+            *value = instead;
+            bad += 1;
         }
-        uvs
+        if bad > 0 {
+            let message = format!("{bad} of {} are not finite; {instead} is used", values.len());
+            self.report.mended("G0612", at, message, Anomaly::MovedValue, bad);
+        }
     }
 }

@@ -32,7 +32,7 @@ mod triangles;
 mod uri;
 mod variant;
 
-use crate::diag::{Diagnostic, Diagnostics, Severity};
+use crate::diag::{Anomaly, Diagnostic, Diagnostics, Severity};
 use crate::files::Files;
 use crate::scene::{Handedness, MaterialId, MeshId, Place, Scene, TextureId};
 use document::Document;
@@ -151,5 +151,10 @@ impl Report<'_> {
 
     fn warning(&mut self, code: &'static str, at: &str, message: impl Into<String>) {
         self.push(at, Diagnostic::warning(code, message));
+    }
+
+    /// A warning about `n` things of a kind that were mended.
+    fn mended(&mut self, code: &'static str, at: &str, message: impl Into<String>, kind: Anomaly, n: u64) {
+        self.push(at, Diagnostic::warning(code, message).counting(kind, n));
     }
 }

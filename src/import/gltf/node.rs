@@ -7,7 +7,7 @@ use super::document::{extension, index_of};
 use super::extension::exact;
 use super::mesh::VEC3;
 use super::variant::known;
-use crate::diag::Diagnostic;
+use crate::diag::{Anomaly, Diagnostic};
 use crate::scene::{Object, Shape};
 use glam::{DAffine3, DQuat, DVec3};
 use gltf::json;
@@ -189,7 +189,8 @@ impl Loader<'_> {
                 let m = exact(raw, "matrix").unwrap_or(rounded.map(f64::from));
                 if m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0 {
                     let message = "the last row is not 0 0 0 1; it is ignored";
-                    self.report.warning("G0505", &format!("{at}.matrix"), message);
+                    let place = format!("{at}.matrix");
+                    self.report.mended("G0505", &place, message, Anomaly::MovedValue, 1);
                 }
                 affine_from_columns(m)
             }
@@ -200,7 +201,8 @@ impl Loader<'_> {
                 let unit = rotation.length_recip().is_finite().then(|| rotation.normalize());
                 if unit.is_none() {
                     let message = "is no rotation (its length is 0 or not finite); none is applied";
-                    self.report.warning("G0505", &format!("{at}.rotation"), message);
+                    let place = format!("{at}.rotation");
+                    self.report.mended("G0505", &place, message, Anomaly::MovedValue, 1);
                 }
                 let (scale, translation) = (vector("scale", DVec3::ONE), vector("translation", DVec3::ZERO));
                 DAffine3::from_scale_rotation_translation(scale, unit.unwrap_or(DQuat::IDENTITY), translation)
@@ -272,11 +274,9 @@ impl Loader<'_> {
         if object.transform.is_finite() && inverse.is_finite() {
             self.scene.objects.push(object);
         } else {
-            let d = Diagnostic::note(
-                "G0507",
-                "the transform is singular (a scale of 0?); the node is not drawn",
-            );
-            self.report.push(at, d);
+            let message = "the transform is singular (a scale of 0?); the node is not drawn";
+            let d = Diagnostic::note("G0507", message);
+            self.report.push(at, d.counting(Anomaly::DroppedShape, 1));
         }
     }
 
@@ -318,15 +318,18 @@ impl Loader<'_> {
                 .map_or([0.0, 0.0, 0.0, 1.0], |n| n.get::<4>(i, 0.0))
                 .map(f64::from);
             let q = DQuat::from_xyzw(x, y, z, w);
-            if q.length_recip().is_finite() {
-                q.normalize()
-            } else {
-                DQuat::IDENTITY
-            }
+            q.length_recip().is_finite().then(|| q.normalize())
         };
+        let bad = (0..count).filter(|&i| rotation(i).is_none()).count() as u64;
+        if bad > 0 {
+            let message =
+                format!("{bad} of {count} are no rotations (their length is 0 or not finite); none is applied");
+            let place = format!("{at}.attributes.ROTATION");
+            self.report.mended("G0505", &place, message, Anomaly::MovedValue, bad);
+        }
         let transform = |i| {
             let (scale, translation) = (vector(&scales, i, DVec3::ONE), vector(&translations, i, DVec3::ZERO));
-            DAffine3::from_scale_rotation_translation(scale, rotation(i), translation)
+            DAffine3::from_scale_rotation_translation(scale, rotation(i).unwrap_or(DQuat::IDENTITY), translation)
         };
         Some((0..count).map(transform).collect())
     }

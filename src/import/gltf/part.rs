@@ -1,7 +1,8 @@
 //! A primitive's data on its way into a mesh: mending what is not finite, and joining parts of like layout.
 
 use super::Loader;
-use crate::scene::{MaterialId, Mesh};
+use crate::diag::Anomaly;
+use crate::scene::{MaterialId, Mesh, mend_normals};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// One primitive with everything applied; optional attributes are empty or have one value per vertex.
@@ -62,31 +63,13 @@ impl Loader<'_> {
 
     /// Normalises normals; one that cannot be is replaced by the mean of its faces'.
     pub(super) fn mend_normals(&mut self, part: &mut Part, at: &str) {
-        let mut bad = 0;
-        for n in &mut part.normals {
-            *n = n.try_normalize().unwrap_or_else(|| {
-                bad += 1;
-                Vec3::ZERO
-            });
-        }
-        if bad == 0 {
-            return;
-        }
-        let message = format!(
-            "{bad} of {} have no direction; their faces' are used",
-            part.normals.len()
-        );
-        self.report.warning("G0614", at, message);
-        let mut sums = vec![DVec3::ZERO; part.normals.len()];
-        for face in &part.triangles {
-            let [a, b, c] = face.map(|v| part.positions[v as usize]);
-            let area = (b - a).cross(c - a) * if part.flip_winding { -1.0 } else { 1.0 };
-            face.iter().for_each(|&v| sums[v as usize] += area);
-        }
-        for (n, sum) in part.normals.iter_mut().zip(sums) {
-            if *n == Vec3::ZERO {
-                *n = sum.normalize_or(DVec3::Z).as_vec3();
-            }
+        let bad = mend_normals(&mut part.normals, &part.positions, &part.triangles, part.flip_winding);
+        if bad > 0 {
+            let message = format!(
+                "{bad} of {} have no direction; their faces' are used",
+                part.normals.len()
+            );
+            self.report.mended("G0614", at, message, Anomaly::ReplacedNormal, bad);
         }
     }
 }

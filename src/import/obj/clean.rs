@@ -6,7 +6,8 @@
 
 use super::lines::{after_keyword, number, statements, text, words};
 use super::report::Report;
-use crate::diag::Diagnostic;
+use crate::diag::{Anomaly, Diagnostic};
+use crate::math::robust::try_normalize_f64;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::io::Write;
@@ -245,10 +246,8 @@ impl Pass<'_> {
             if w != 0.0 {
                 p /= w;
             } else {
-                self.push(Diagnostic::warning(
-                    "O0103",
-                    "vertex `v` has the weight 0 and is taken as if it had 1",
-                ));
+                let message = "vertex `v` has the weight 0 and is taken as if it had 1";
+                self.push(Diagnostic::warning("O0103", message).counting(Anomaly::MovedValue, 1));
             }
         }
         if !p.is_finite() {
@@ -277,10 +276,8 @@ impl Pass<'_> {
         };
         let mut uv = [values[0], values.get(1).copied().unwrap_or(0.0)];
         if uv.iter().any(|v| !v.is_finite()) {
-            self.push(Diagnostic::warning(
-                "O0105",
-                "texture coordinate `vt` is not finite and taken as 0 0",
-            ));
+            let message = "texture coordinate `vt` is not finite and taken as 0 0";
+            self.push(Diagnostic::warning("O0105", message).counting(Anomaly::MovedValue, 1));
             uv = [0.0; 2];
         }
         self.emit(format_args!("vt {} {}", uv[0] as f32, uv[1] as f32));
@@ -292,10 +289,12 @@ impl Pass<'_> {
             return;
         };
         // Exporters write zero normals for degenerate faces; the zero vector means "none" from here on.
-        let n = DVec3::new(values[0], values[1], values[2])
-            .try_normalize()
-            .unwrap_or(DVec3::ZERO)
-            .as_vec3();
+        let n = try_normalize_f64(DVec3::new(values[0], values[1], values[2])).unwrap_or_else(|| {
+            let message = "normal `vn` has no direction; that of its face is used";
+            self.push(Diagnostic::note("O0115", message).counting(Anomaly::ReplacedNormal, 1));
+            DVec3::ZERO
+        });
+        let n = n.as_vec3();
         self.emit(format_args!("vn {} {} {}", n.x, n.y, n.z));
     }
 

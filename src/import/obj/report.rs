@@ -43,6 +43,8 @@ impl Report {
         *count += 1;
         if *count <= SHOWN_PER_CODE {
             self.diags.push(diagnostic.in_place(place));
+        } else if let Some((kind, n)) = diagnostic.counts {
+            self.diags.count_anomaly(kind, n);
         }
     }
 

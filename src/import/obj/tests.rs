@@ -1,7 +1,7 @@
 //! What a model means once it is loaded.
 
 use super::{ObjOptions, load};
-use crate::diag::Diagnostics;
+use crate::diag::{Anomaly, Diagnostics};
 use crate::files::{Files, MemoryFiles};
 use crate::scene::{
     Channel, ColorInput, Encoding, ImageTexture, Material, Mesh, OpacityMode, Principled, Scene, SurfaceModel, Texture,
@@ -125,7 +125,8 @@ fn smoothing_groups_share_normals_inside_and_not_across() {
 
 #[test]
 fn given_normals_are_kept_and_zero_ones_replaced() {
-    let scene = quiet(&format!("{SQUARE}vn 0 3 4\nvn 0 0 0\nf 1//1 2//1 3//2\n"));
+    let (scene, diags) = load_text(&format!("{SQUARE}vn 0 3 4\nvn 0 0 0\nf 1//1 2//1 3//2\n"));
+    assert_eq!(diags.anomalies().of(Anomaly::ReplacedNormal), 1);
     let mesh = &scene.meshes[0];
     let normals: Vec<Vec3> = mesh.triangles[0].iter().map(|&i| mesh.normals[i as usize]).collect();
     assert_eq!(normals, [Vec3::new(0.0, 0.6, 0.8), Vec3::new(0.0, 0.6, 0.8), Vec3::Z]);

@@ -100,6 +100,9 @@ impl Interp<'_> {
             };
             self.bump();
             v[index] = self.float("colour component")?;
+            if index == 4 {
+                self.transmit_part = Some((v[4], tok.span));
+            }
         }
     }
 

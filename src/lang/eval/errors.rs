@@ -2,7 +2,7 @@
 
 use super::stream::FrameKind;
 use super::{Interp, MAX_ERRORS, T, Tok};
-use crate::diag::{Diagnostic, Severity, Span};
+use crate::diag::{Anomaly, Diagnostic, Severity, Span};
 use crate::lang::syntax::TokenKind;
 
 /// Parsing cannot go on here; the reason has been reported.
@@ -108,6 +108,16 @@ impl Interp<'_> {
     /// A warning with its place.
     pub fn warn(&mut self, code: &'static str, span: Span, message: impl Into<String>) {
         self.report(Diagnostic::warning(code, message).at(span, ""));
+    }
+
+    /// A warning about a value that was moved to where it means something.
+    pub fn moved(&mut self, span: Span, message: impl Into<String>) {
+        self.mended("P0309", span, message, Anomaly::MovedValue, 1);
+    }
+
+    /// A warning about `n` things of a kind that were mended.
+    pub fn mended(&mut self, code: &'static str, span: Span, message: impl Into<String>, kind: Anomaly, n: u64) {
+        self.report(Diagnostic::warning(code, message).at(span, "").counting(kind, n));
     }
 
     /// Whether this is the first time that something is to be told.

@@ -91,6 +91,8 @@ pub struct Interp<'a> {
     pub size_used: Option<Span>,
     /// Directory of the main file.
     pub scene_dir: PathBuf,
+    /// The last `transmit` that was read as a part of a colour, and where; blocks that have the word too ask for it.
+    pub transmit_part: Option<(f64, Span)>,
     frames: Vec<Frame>,
     /// The next token, if it is known.
     ahead: Option<Tok>,
@@ -150,6 +152,7 @@ impl<'a> Interp<'a> {
             floor: 0,
             braces: Vec::new(),
             nesting: 0,
+            transmit_part: None,
             muted: 0,
             failed: false,
             resumed: false,

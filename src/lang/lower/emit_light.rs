@@ -51,11 +51,7 @@ impl Interp<'_> {
         }
         let color = self.linear(l.color);
         if color.min_element() < 0.0 {
-            self.warn_once(
-                "P0309",
-                l.span,
-                "a lamp of negative brightness is left out where it is negative",
-            );
+            self.moved(l.span, "a lamp of negative brightness is left out where it is negative");
         }
         let color = color.max(DVec3::ZERO);
         let falloff = match (l.fade_distance, l.fade_power) {

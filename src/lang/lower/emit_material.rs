@@ -124,11 +124,8 @@ impl Interp<'_> {
         let mut input = self.pigment_input(&layer.pigment, out);
         let rgb = input.factor * tint;
         if rgb.min_element() < 0.0 {
-            self.warn_once(
-                "P0309",
-                layer.span.unwrap_or(self.here()),
-                "a negative colour is read as 0 where it is negative",
-            );
+            let at = layer.span.unwrap_or(self.here());
+            self.moved(at, "a negative colour is read as 0 where it is negative");
         }
         let rgb = rgb.max(DVec3::ZERO);
         let f = &layer.finish;

@@ -84,11 +84,7 @@ impl Interp<'_> {
                         let at = s.peek().span;
                         f.roughness = s.finite("roughness")?;
                         if f.roughness <= 0.0 {
-                            s.warn(
-                                "P0309",
-                                at,
-                                "roughness of a highlight must be positive, taken as 0.0001",
-                            );
+                            s.moved(at, "roughness of a highlight must be positive, taken as 0.0001");
                             f.roughness = 1e-4;
                         }
                     }

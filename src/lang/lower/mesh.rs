@@ -1,11 +1,12 @@
 //! `mesh { … }` and `mesh2 { … }`.
 
-use crate::diag::Span;
+use crate::diag::{Anomaly, Span};
 use crate::lang::desc::{Layers, Look, MeshDesc, ShapeDesc};
 use crate::lang::eval::{Interp, Parsed, T, Value};
 use crate::lang::syntax::Word;
-use crate::scene::Mesh;
-use glam::{DVec3, Vec2};
+use crate::math::robust::try_normalize_f64;
+use crate::scene::{Mesh, mend_normals};
+use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -232,9 +233,13 @@ impl Interp<'_> {
         if !fits(&lists.normal_faces, lists.normals.len()) || !fits(&lists.uv_faces, lists.uvs.len()) {
             return Err(self.error("P0313", span, "normals or uvs of the mesh do not match its faces"));
         }
-        let Some(mesh) = build(&lists) else {
+        let Some((mesh, mended)) = build(&lists) else {
             return Err(self.error("P0313", span, "mesh has an index out of range"));
         };
+        if mended > 0 {
+            let message = format!("{mended} normals without direction are replaced by those of their faces");
+            self.mended("P0316", span, message, Anomaly::ReplacedNormal, mended);
+        }
         if mesh.dropped_faces > 0 {
             self.warn(
                 "P0314",
@@ -273,7 +278,8 @@ fn same(a: &Layers, b: &Layers) -> bool {
 }
 
 /// One vertex for each combination of position, normal and uv that a corner uses; `None` for an index out of range.
-fn build(lists: &Lists) -> Option<Mesh> {
+/// With the mesh comes the number of its normals that had no direction.
+fn build(lists: &Lists) -> Option<(Mesh, u64)> {
     let shared = (lists.normal_faces.is_empty()
         || (lists.normal_faces == lists.faces && lists.normals.len() >= lists.positions.len()))
         && (lists.uv_faces.is_empty() || (lists.uv_faces == lists.faces && lists.uvs.len() >= lists.positions.len()));
@@ -319,9 +325,12 @@ fn build(lists: &Lists) -> Option<Mesh> {
         let slot = lists.slots.get(f).copied().unwrap_or(0);
         mesh.push_face(*face, (!lists.looks.is_empty()).then_some(slot));
     }
-    mesh.normals = normals.iter().map(|n| n.normalize_or(DVec3::Y).as_vec3()).collect();
+    // Unit in f64 first: what is short or long is no zero or infinity yet.
+    let unit = |n: &DVec3| try_normalize_f64(*n).map_or(Vec3::ZERO, |n| n.as_vec3());
+    mesh.normals = normals.iter().map(unit).collect();
+    let mended = mend_normals(&mut mesh.normals, &positions, &mesh.triangles, false);
     if !uvs.is_empty() {
         mesh.uvs = vec![uvs];
     }
-    Some(mesh)
+    Some((mesh, mended))
 }

@@ -155,7 +155,11 @@ impl Interp<'_> {
         let (vertices, normals) = self.corners(smooth)?;
         let [a, b, c] = vertices;
         if (b - a).cross(c - a) == DVec3::ZERO {
-            return Err(self.error("P0311", span, "triangle has no surface: its corners lie on a line"));
+            self.warn(
+                "P0314",
+                span,
+                "triangle has no surface, its corners lie on a line: it is left out",
+            );
         }
         Ok(Shape::Triangle { vertices, normals })
     }

@@ -24,7 +24,7 @@ impl Interp<'_> {
                 let mut v = self.vec3("scale")?;
                 if v.cmpeq(DVec3::ZERO).any() {
                     // Scenes write `scale 2*x` and mean "twice as wide"; POV-Ray forgives it too.
-                    self.warn("P0309", at, "scale by 0 is read as 1");
+                    self.moved(at, "scale by 0 is read as 1");
                     v = DVec3::select(v.cmpeq(DVec3::ZERO), DVec3::ONE, v);
                 }
                 DAffine3::from_scale(v)

@@ -8,7 +8,7 @@ use super::forecast::{Forecast, Look};
 use super::kernel::{Kernel, PathStats};
 use super::picture::Channels;
 use super::pixels::Pixels;
-use super::report::{Anomalies, Observer, Picture, Progress, Report, StopReason};
+use super::report::{Observer, Picture, Progress, Report, StopReason};
 use super::scene::CompiledScene;
 use super::settings::Settings;
 use super::tiles::{Misfit, Tile, Tiles};
@@ -400,8 +400,6 @@ impl PathStats {
     pub fn add(&mut self, other: &PathStats) {
         self.rays += other.rays;
         self.clamped += other.clamped;
-        let mut all: Anomalies = self.anomalies;
-        all.add(&other.anomalies);
-        self.anomalies = all;
+        self.anomalies.add(&other.anomalies);
     }
 }

@@ -1,37 +1,28 @@
 //! Light samples: what they add, and what stands in their way.
 
+use super::fold::Sides;
 use super::{Kernel, MIRROR_LIKE, MOST_PASSES, NO_ATTRIBUTES, PathStats, Way, go_on};
-use crate::math::frame::Frame;
 use crate::math::robust::offset_origin;
-use crate::render::bsdf::Bsdf;
 use crate::render::light::{LightSample, mis_weight};
 use crate::render::medium::MediumStack;
 use crate::render::ray::{Hit, Ray, ray_mask};
+use crate::render::report::Anomaly;
 use crate::render::surface::Surface;
 use crate::render::technique::Direct;
 use glam::Vec3;
 
 impl Kernel<'_> {
     /// What one light sample adds to the radiance that leaves the surface.
-    #[allow(clippy::too_many_arguments)] // one call site; a struct would only rename them
     pub(super) fn lit(
         &self,
         light: &LightSample,
-        bsdf: &Bsdf,
-        frame: &Frame,
-        wo_local: Vec3,
-        wo: Vec3,
+        sides: &Sides,
         surface: &Surface,
         media: &MediumStack,
         way: Way,
         stats: &mut PathStats,
     ) -> Vec3 {
-        let wi_local = frame.to_local(light.wi);
-        let crosses = wi_local.z * wo_local.z < 0.0;
-        if crosses != (light.wi.dot(surface.ng) * wo.dot(surface.ng) < 0.0) {
-            return Vec3::ZERO;
-        }
-        let (f, bsdf_pdf) = bsdf.eval_pdf(wo_local, wi_local);
+        let (f, bsdf_pdf) = sides.eval_pdf(light.wi);
         let is_caustic = way != Way::Any && way.after(bsdf_pdf >= MIRROR_LIKE) == Way::Caustic;
         if f == Vec3::ZERO || is_caustic {
             return Vec3::ZERO;
@@ -128,7 +119,7 @@ impl Kernel<'_> {
             }
             ray = Ray { t_max, ..next };
         }
-        stats.anomalies.stack_overflow += 1;
+        stats.anomalies.count(Anomaly::StackOverflow, 1);
         Vec3::ZERO
     }
 }

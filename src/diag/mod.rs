@@ -4,6 +4,10 @@
 //! terminal text. A place is either a [`Span`] into a source of the [`SourceMap`] or, where a file has no
 //! lines (glTF), a path inside that file such as `meshes[3].primitives[0].attributes.POSITION`.
 
+mod anomalies;
+
+pub use anomalies::{Anomalies, Anomaly};
+
 use std::sync::Arc;
 
 /// Names one source text of a [`SourceMap`].
@@ -138,6 +142,8 @@ pub struct Diagnostic {
     pub hints: Vec<String>,
     /// A replacement that would mend it.
     pub fix: Option<Fix>,
+    /// What was mended on the way, and how often.
+    pub counts: Option<(Anomaly, u64)>,
 }
 
 impl Diagnostic {
@@ -151,6 +157,7 @@ impl Diagnostic {
             place: None,
             hints: Vec::new(),
             fix: None,
+            counts: None,
         }
     }
 
@@ -210,6 +217,12 @@ impl Diagnostic {
         self
     }
 
+    /// Counts what was mended: `n` of a kind.
+    pub fn counting(mut self, kind: Anomaly, n: u64) -> Diagnostic {
+        self.counts = Some((kind, n));
+        self
+    }
+
     /// The span this diagnostic points at, if it has one.
     pub fn primary_span(&self) -> Option<Span> {
         self.labels.iter().find(|l| l.primary).map(|l| l.span)
@@ -220,6 +233,7 @@ impl Diagnostic {
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
     items: Vec<Diagnostic>,
+    anomalies: Anomalies,
 }
 
 /// After this many diagnostics a run keeps counting errors but stores no more of them.
@@ -228,17 +242,36 @@ const MAX_STORED: usize = 1000;
 impl Diagnostics {
     /// Adds one, unless the same one (severity, code, message, place) was told already.
     pub fn push(&mut self, d: Diagnostic) {
+        if self.items.contains(&d) {
+            return;
+        }
+        if let Some((kind, n)) = d.counts {
+            self.anomalies.count(kind, n);
+        }
         let is_first_error = d.severity == Severity::Error && !self.has_errors();
-        if is_first_error || (self.items.len() < MAX_STORED && !self.items.contains(&d)) {
+        if is_first_error || self.items.len() < MAX_STORED {
             self.items.push(d);
         }
     }
 
+    /// Counts what was mended where another front end has told of it already.
+    pub fn count_anomaly(&mut self, kind: Anomaly, n: u64) {
+        self.anomalies.count(kind, n);
+    }
+
+    /// What was mended so far, by kind.
+    pub fn anomalies(&self) -> &Anomalies {
+        &self.anomalies
+    }
+
     /// Adds all of another run's.
     pub fn extend(&mut self, other: Diagnostics) {
+        let mut anomalies = self.anomalies;
+        anomalies.add(&other.anomalies);
         for d in other.items {
             self.push(d);
         }
+        self.anomalies = anomalies; // also of those that were too many to be kept
     }
 
     /// Whether any of them is an error.
