@@ -2,6 +2,7 @@
 
 mod density;
 mod furnace;
+mod interfaces;
 
 use super::glossy::Coat;
 use super::microfacet::Ggx;
