@@ -6,7 +6,10 @@
 
 mod direct;
 mod fold;
+mod roulette;
 mod start;
+#[cfg(test)]
+mod tests;
 
 use super::bsdf::Bsdf;
 use super::light::{HitOnLight, mis_weight};
@@ -23,10 +26,6 @@ use crate::math::robust::offset_origin;
 use fold::Sides;
 use glam::{Vec2, Vec3};
 
-/// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
-const ROULETTE_FROM: u32 = 2;
-/// From this bounce on a path survives with at most 98 %, so that lossless rooms end.
-const ROULETTE_ALWAYS_FROM: u32 = 32;
 /// Scattering into a direction of at least this density, in 1/sr, is like that of a mirror where caustics are left out:
 /// 50 times that of a diffuse surface at its densest; the middle of the reflection of facets of α ≤ 0.07 is above it.
 pub const MIRROR_LIKE: f32 = 16.0;
@@ -131,8 +130,8 @@ impl<'a> Kernel<'a> {
             max_depth: technique.max_depth,
             direct: technique.direct,
             roulette_from: match technique.roulette {
-                Roulette::Throughput => ROULETTE_FROM,
-                Roulette::Late => ROULETTE_ALWAYS_FROM,
+                Roulette::Throughput => roulette::FROM,
+                Roulette::Late => roulette::ALWAYS_FROM,
             },
             clamp: technique.clamp.unwrap_or(f32::INFINITY),
             caustics: technique.caustics,
@@ -338,8 +337,7 @@ impl<'a> Kernel<'a> {
             eta_scale *= s.eta * s.eta;
 
             if bounce >= self.roulette_from {
-                let most = if bounce >= ROULETTE_ALWAYS_FROM { 0.98 } else { 1.0 };
-                let survival = (throughput.max_element() * eta_scale).min(most);
+                let survival = roulette::survival(throughput, eta_scale, bounce);
                 if scatter[3] >= survival {
                     return out;
                 }
