@@ -5,6 +5,7 @@
 
 mod camera;
 mod caps;
+pub mod effects;
 mod flatten;
 mod images;
 mod lights;
