@@ -1,6 +1,6 @@
 //! Rays from the camera: pinhole and thin lens, perspective and orthographic, and the pixel filter.
 
-use super::ray::{Ray, ray_mask};
+use super::ray::{Ray, ray_mask, split_direction};
 use super::settings::Filter;
 use crate::math::warp::disc_concentric;
 use glam::{DVec3, Vec2, Vec3};
@@ -47,7 +47,10 @@ impl Camera {
             dir = dir / dir.dot(axis) - offset / self.focus_distance;
             origin += offset;
         }
-        let mut ray = Ray::new(origin.as_vec3(), dir.normalize().as_vec3());
+        // Far away a pixel of a narrow view is smaller than the rounding of a direction.
+        let (dir, dir_low) = split_direction(dir.normalize());
+        let mut ray = Ray::new(origin.as_vec3(), dir);
+        ray.dir_low = dir_low;
         ray.mask = ray_mask::CAMERA;
         ray
     }
