@@ -196,6 +196,21 @@ impl SceneTree {
     /// Whether anything blocks the ray.
     #[inline(always)]
     pub fn occluded(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> bool {
+        if ray.to != PrimRef::NONE && self.planes.is_empty() && self.nodes.is_empty() {
+            // All spheres are looked at together: the one that the ray is sent to costs nothing there.
+            let free = Ray {
+                to: PrimRef::NONE,
+                t_max: f32::INFINITY,
+                ..*ray
+            };
+            let nearest = self.dispatch::<false>(&free, Candidates::new(&free));
+            if !nearest.found() || nearest.prim == ray.to {
+                return false;
+            }
+            if nearest.exact < f64::from(ray.t_max) {
+                return true;
+            }
+        }
         self.dispatch::<true>(ray, self.start(ray, corners)).found()
     }
 
