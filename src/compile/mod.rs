@@ -11,6 +11,7 @@ mod images;
 mod lights;
 mod materials;
 mod objects;
+pub mod unused;
 
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::files::Files;

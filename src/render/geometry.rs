@@ -147,6 +147,12 @@ impl Geometry {
         &self.meshes
     }
 
+    /// Memory that meshes and their trees take.
+    pub fn bytes(&self) -> u64 {
+        let data = self.meshes.iter().map(MeshData::bytes).sum::<usize>();
+        (data + self.tree.mesh_bytes()) as u64
+    }
+
     /// World box of everything bounded, rounded outward; `None` if there is nothing (planes are unbounded).
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         self.tree.bounds().map(|b| (b.min, b.max))
@@ -168,6 +174,16 @@ impl Geometry {
 }
 
 impl MeshData {
+    fn bytes(&self) -> usize {
+        let uvs: usize = self.uvs.iter().map(|set| size_of_val(&set[..])).sum();
+        uvs + size_of_val(&self.positions[..])
+            + size_of_val(&self.normals[..])
+            + size_of_val(&self.tangents[..])
+            + size_of_val(&self.colors[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.face_materials[..])
+    }
+
     /// The corners of a triangle, if it exists.
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         self.by_corner(&self.positions, triangle)

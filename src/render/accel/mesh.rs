@@ -63,14 +63,9 @@ impl MeshTree {
             .filter(|b| !b.is_empty())
     }
 
-    /// Nodes of the tree.
-    pub fn node_count(&self) -> usize {
-        self.nodes.len()
-    }
-
-    /// Leaves of the tree, of up to four triangles each.
-    pub fn block_count(&self) -> usize {
-        self.blocks.len()
+    /// Memory that the tree takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
     }
 
     /// Offers the triangles that a ray in the tree's unit meets; with `any` it ends at the first that counts.

@@ -186,6 +186,11 @@ impl SceneTree {
         };
     }
 
+    /// Memory that the trees of all meshes take.
+    pub fn mesh_bytes(&self) -> usize {
+        self.meshes.iter().map(|m| m.bytes()).sum()
+    }
+
     /// The nearest hit. A ray towards a primitive (`ray.to`; `corners` are those of a mesh triangle in the mesh's own
     /// unit) ends where it meets that, see [`SceneTree::start`].
     #[inline(always)]
