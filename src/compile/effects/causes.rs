@@ -89,6 +89,9 @@ pub fn of(scene: &Scene, technique: &Technique) -> Effects {
         of_material(scene, m, 0, &mut add);
         seen.look_at(scene, m, &what, object, 0);
     }
+    if !seen.bends {
+        effects.found.remove(&Glass);
+    }
     of_camera(scene, &mut effects);
     of_environment(scene, &mut effects, &mut seen);
     seen.conclude(scene, technique, &mut effects);
@@ -316,6 +319,8 @@ struct Receivers {
     casters: Vec<Cause>,
     /// Lights that are seen under a small angle, or vary.
     lights: Vec<Cause>,
+    /// Whether any index of refraction differs from that of air. A bubble of air bends light only inside of glass.
+    bends: bool,
 }
 
 impl Receivers {
@@ -330,6 +335,12 @@ impl Receivers {
         if m.emission.factor.max_element() > 0.0 && object.visibility.indirect {
             self.lights.push(cause("emits"));
         }
+        self.bends |= match &m.surface {
+            SurfaceModel::Glass { ior, .. } => *ior != 1.0,
+            SurfaceModel::Principled(p) => p.transmission.factor > 0.0 && p.ior != 1.0,
+            SurfaceModel::Finish(f) => f.ior.is_some_and(|ior| ior != 1.0) && passes(f),
+            _ => false, // the parts of a mix come by themselves
+        };
         let (rough, casts) = match &m.surface {
             SurfaceModel::Black => (false, false),
             SurfaceModel::Diffuse { .. } | SurfaceModel::Translucent { .. } => (true, false),
