@@ -158,7 +158,7 @@ mod tests {
         let mut diags = Diagnostics::default();
         let left = leaves(&scene, &mut diags);
         assert_eq!(left.iter().map(|l| l.transform).collect::<Vec<_>>(), [mirrored]);
-        assert_eq!(diags.count(crate::diag::Severity::Warning), 4);
+        assert_eq!(diags.anomalies().of(Anomaly::DroppedShape), 4);
     }
 
     #[test]
