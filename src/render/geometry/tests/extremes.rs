@@ -257,12 +257,9 @@ fn thin_slabs_are_entered_and_left() {
             single(mesh, map)
         };
         for _ in 0..20 {
-            let target = map.transform_point3(DVec3::new(signed(&mut rng), 0.0, signed(&mut rng)) * 3.0);
-            let start = map.transform_point3(DVec3::new(
-                signed(&mut rng) * 3.0,
-                3.0 + thickness,
-                signed(&mut rng) * 3.0,
-            ));
+            let mut above =
+                |y: f64| map.transform_point3(DVec3::new(signed(&mut rng), y, signed(&mut rng)) * (0.3 * wide));
+            let (target, start) = (above(0.0), above(1.0 + 2.0 * thickness / wide));
             let ray = Ray::new(start.as_vec3(), (target - start).normalize().as_vec3());
             let first = geometry.closest(&ray).expect("aimed at it");
             let near = geometry.surface(&ray, &first);
