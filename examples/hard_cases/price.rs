@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use pts::math::robust::offset_origin;
 use pts::math::stats::Pcg;
 use pts::math::warp::uniform_sphere;
-use pts::render::accel::triangle::{ShearedRay, TriangleBlock};
+use pts::render::accel::triangle::{Line, ShearedRay, TriangleBlock};
 use pts::render::film::TileFilm;
 use pts::render::ray::Ray;
 use pts::render::shape::candidates::Candidates;
@@ -130,7 +130,11 @@ fn triangles() -> Price {
         },
         |i| {
             let ray = Ray::new(start(i), toward(i));
-            let (mut found, sheared) = (Candidates::new(&ray), ShearedRay::new(ray.origin, ray.dir));
+            let line = Line {
+                o: ray.origin.as_dvec3(),
+                d: ray.direction(),
+            };
+            let (mut found, sheared) = (Candidates::new(&ray), ShearedRay::new(line, 0.0));
             (0..8).for_each(|k| sheared.intersect(&blocks[(i + k) % 64], &mut found));
             found.t
         },

@@ -5,6 +5,7 @@
 
 mod camera;
 mod caps;
+pub mod effects;
 mod flatten;
 mod images;
 mod lights;
@@ -19,7 +20,7 @@ use crate::render::material::{Alpha, Material, SurfaceModel};
 use crate::render::scene::{CompiledScene, SceneTraits};
 use crate::render::technique::Technique;
 use crate::render::texture::Textures;
-use crate::scene::{Place, Scene, Shape};
+use crate::scene::{MaterialId, Place, Scene, Shape};
 
 /// Makes a scene ready to render at this size by the default technique. `None` if there are errors. Images are read
 /// through `files`, only those that something visible uses.
@@ -54,7 +55,9 @@ pub fn compile_with(
     };
     let origin = camera.location;
     let engine_camera = camera::compile_camera(camera, width, height, diags);
-    let leaves = flatten::leaves(scene, diags);
+    let mut leaves = flatten::leaves(scene, diags);
+    // Of surfaces in one place the first counts: a lamp set into a ceiling is seen, not the ceiling.
+    leaves.sort_by_key(|leaf| !materials_of(scene, leaf).any(|id| emits(scene, id)));
     if leaves.is_empty() && matches!(scene.environment.kind, crate::scene::EnvironmentKind::Black) {
         diags.push(Diagnostic::warning(
             "C0105",
@@ -64,15 +67,7 @@ pub fn compile_with(
 
     let mut images = images::Images::new(scene, files);
     let (environment, backdrop) = lights::environment(scene, &mut images, diags);
-    let used = leaves.iter().flat_map(|leaf| {
-        let own = leaf.override_material.or(leaf.material).or(scene.default_material);
-        let mesh = match leaf.object.shape {
-            Shape::Mesh(id) if leaf.override_material.is_none() => scene.meshes.get(id.index()),
-            _ => None,
-        };
-        own.into_iter()
-            .chain(mesh.into_iter().flat_map(|m| m.materials.iter().copied().flatten()))
-    });
+    let used = leaves.iter().flat_map(|leaf| materials_of(scene, leaf));
     images.decode_all(&materials::images_of(scene, used), diags);
 
     let mut lamps = lights::lamps(scene, origin, diags);
@@ -109,6 +104,22 @@ pub fn compile_with(
         backdrop,
         traits,
     })
+}
+
+/// The materials a leaf may show.
+fn materials_of<'a>(scene: &'a Scene, leaf: &flatten::Leaf<'_>) -> impl Iterator<Item = MaterialId> + use<'a> {
+    let own = leaf.override_material.or(leaf.material).or(scene.default_material);
+    let mesh = match leaf.object.shape {
+        Shape::Mesh(id) if leaf.override_material.is_none() => scene.meshes.get(id.index()),
+        _ => None,
+    };
+    let slots = mesh.into_iter().flat_map(|m| m.materials.iter().copied().flatten());
+    own.into_iter().chain(slots)
+}
+
+fn emits(scene: &Scene, id: MaterialId) -> bool {
+    let emission = scene.materials.get(id.index()).map(|m| &m.emission);
+    emission.is_some_and(|e| e.texture.is_some() || e.factor != glam::DVec3::ZERO)
 }
 
 /// Whether light may pass a material unbent.

@@ -8,6 +8,7 @@ use crate::render::geometry::{GeomObject, LightMap, MeshData};
 use crate::render::light::{DiscLight, Light, ParallelogramLight, SphereLight, TriangleLight};
 use crate::render::ray::{PrimRef, ray_mask};
 use crate::render::shape::{Shape as Engine, Solid};
+use crate::render::surface::Surface;
 use crate::scene::{MaterialId, Mesh, MeshId, Scene, Shape, Visibility};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::collections::BTreeMap;
@@ -138,7 +139,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         let lights = if materials.iter().any(emitting) && visibility & ray_mask::INDIRECT != 0 {
             let data = &self.meshes[mesh as usize];
             let flipped = data.flip_winding != (world.matrix3.determinant() < 0.0);
-            let mut table = vec![crate::render::surface::Surface::NOT_A_LIGHT; data.triangles.len()];
+            let mut table = vec![Surface::NOT_A_LIGHT; data.triangles.len()];
             for (i, corners) in data.triangles.iter().enumerate() {
                 let slot = data.face_materials.get(i).copied().unwrap_or(0) as usize;
                 let material = materials.get(slot).or(materials.last()).copied().unwrap_or(0);
@@ -151,7 +152,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
                 table[i] = self.lights.len() as u32;
                 let m = &self.materials.materials[material as usize];
                 self.lights.push(Light::Triangle(TriangleLight {
-                    p0: p0.as_vec3(),
+                    p0,
                     e1: (corner(1) - p0).as_vec3(),
                     e2: (corner(2) - p0).as_vec3(),
                     flipped,
@@ -192,10 +193,17 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
             })),
             Engine::Placed(p) => match p.kind {
                 Solid::Box { min, max } => {
+                    let mut table = vec![Surface::NOT_A_LIGHT; 6];
                     for face in 0..6 {
+                        // The faces of a flat box are one sheet, which rays know by the lower of the two.
+                        let is_sheet = max[face as usize / 2] == min[face as usize / 2];
+                        if is_sheet && face % 2 == 1 {
+                            continue;
+                        }
+                        table[face as usize] = self.lights.len() as u32;
                         let (p0, e1, e2) = box_face(&p.world_from_object, min, max, face);
                         self.lights.push(Light::Parallelogram(ParallelogramLight {
-                            p0: p0.as_vec3(),
+                            p0,
                             e1: e1.as_vec3(),
                             e2: e2.as_vec3(),
                             radiance,
@@ -204,6 +212,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
                             prim: PrimRef { object, prim: face },
                         }));
                     }
+                    return LightMap::Table(table);
                 }
                 Solid::Disc { hole } => {
                     let m = p.world_from_object.matrix3;

@@ -120,13 +120,21 @@ impl Geometry {
     /// The nearest hit with 0 < t < `t_max`, if any.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        self.tree.closest(ray)
+        self.tree.closest(ray, self.corners(ray.to))
     }
 
     /// Whether anything lies on the ray with 0 < t < `t_max`.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.tree.occluded(ray)
+        self.tree.occluded(ray, self.corners(ray.to))
+    }
+
+    /// Corners of a mesh triangle in the mesh's own unit; `None` for everything else.
+    fn corners(&self, prim: PrimRef) -> Option<[Vec3; 3]> {
+        let Shape::Mesh { mesh, .. } = &self.objects.get(prim.object as usize)?.shape else {
+            return None;
+        };
+        self.meshes.get(*mesh as usize)?.corners(prim.prim)
     }
 
     /// The objects, as given.

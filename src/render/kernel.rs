@@ -6,7 +6,10 @@
 
 mod direct;
 mod fold;
+mod roulette;
 mod start;
+#[cfg(test)]
+mod tests;
 
 use super::bsdf::Bsdf;
 use super::light::{HitOnLight, mis_weight};
@@ -21,12 +24,8 @@ use super::surface::{Attributes, Surface};
 use super::technique::{Direct, Roulette, SamplerKind};
 use crate::math::robust::offset_origin;
 use fold::Sides;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
-/// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
-const ROULETTE_FROM: u32 = 2;
-/// From this bounce on a path survives with at most 98 %, so that lossless rooms end.
-const ROULETTE_ALWAYS_FROM: u32 = 32;
 /// Scattering into a direction of at least this density, in 1/sr, is like that of a mirror where caustics are left out:
 /// 50 times that of a diffuse surface at its densest; the middle of the reflection of facets of α ≤ 0.07 is above it.
 pub const MIRROR_LIKE: f32 = 16.0;
@@ -131,8 +130,8 @@ impl<'a> Kernel<'a> {
             max_depth: technique.max_depth,
             direct: technique.direct,
             roulette_from: match technique.roulette {
-                Roulette::Throughput => ROULETTE_FROM,
-                Roulette::Late => ROULETTE_ALWAYS_FROM,
+                Roulette::Throughput => roulette::FROM,
+                Roulette::Late => roulette::ALWAYS_FROM,
             },
             clamp: technique.clamp.unwrap_or(f32::INFINITY),
             caustics: technique.caustics,
@@ -190,10 +189,10 @@ impl<'a> Kernel<'a> {
                 albedo: Vec3::ZERO,
             },
         };
-        // In a medium of index n radiance is n² times that outside; the camera itself is filled with air.
-        let camera_ior = self.camera_media.ior_around(PrimRef::NONE.object);
-        let mut eta_scale = camera_ior * camera_ior;
-        let mut throughput = Vec3::splat(1.0 / eta_scale);
+        // In a medium of index n radiance is n² times that outside. Paths carry radiance over n², which no refraction
+        // changes: what comes from the environment, which stands in air as the camera does, keeps its share whatever
+        // surfaces are open, cut by the camera or too thin to be told apart. Emitters in a medium give 1/n² of theirs.
+        let mut throughput = Vec3::ONE;
         let mut from = Departure {
             p: ray.origin,
             n: Vec3::ZERO,
@@ -201,7 +200,8 @@ impl<'a> Kernel<'a> {
             pdf: None,
             way: Way::Any,
         };
-        let mut media = self.camera_media;
+        let mut media = self.camera_media.clone();
+        let mut left: Option<DVec3> = None;
         let mut bounce = 1u32; // 1 is the first surface
         let mut passes = 0u32;
         loop {
@@ -213,6 +213,17 @@ impl<'a> Kernel<'a> {
                 return out;
             };
             let surface = scene.geometry.surface(&ray, &hit);
+            if !media.is_empty() {
+                // From point to point: the ray itself starts a little beside the surface it left.
+                let way = match &left {
+                    Some(left) => (surface.exact() - *left).length() as f32,
+                    None => hit.t,
+                };
+                throughput *= media.transmittance(way);
+            }
+            if scene.traits.solids {
+                left = Some(surface.exact());
+            }
             let material = &scene.materials[surface.material as usize];
             let computed;
             let attributes = if material.needs_attributes {
@@ -221,9 +232,6 @@ impl<'a> Kernel<'a> {
             } else {
                 &NO_ATTRIBUTES
             };
-            if !media.is_empty() {
-                throughput *= media.transmittance(hit.t);
-            }
             let wo = -ray.dir;
             let front = wo.dot(surface.ng) >= 0.0;
             let outer_ior = if scene.traits.solids {
@@ -246,7 +254,7 @@ impl<'a> Kernel<'a> {
             }
             if material.emits_front {
                 let emitted = material.emission(&shading, front);
-                out.radiance += throughput * emitted * self.hit_weight(&ray, &from, &surface, hit.t);
+                out.radiance += throughput * emitted * (self.hit_weight(&ray, &from, &surface, hit.t) * media.basic());
             }
             if bounce > self.max_depth && !self.aovs {
                 return out;
@@ -317,11 +325,9 @@ impl<'a> Kernel<'a> {
                 stats.anomalies.count(Anomaly::ShadingRejected, 1);
                 return out;
             };
-            throughput *= s.weight;
+            throughput *= s.weight * (s.eta * s.eta);
             if crosses && material.interior {
-                if !front {
-                    media.leave(surface.prim.object);
-                } else if !media.enter(surface.prim.object, material.ior, material.absorption) {
+                if !media.cross(surface.prim.object, front, material) {
                     stats.anomalies.count(Anomaly::StackOverflow, 1);
                     return out;
                 }
@@ -335,11 +341,9 @@ impl<'a> Kernel<'a> {
                 ray = go_on(&ray, &surface);
                 continue;
             }
-            eta_scale *= s.eta * s.eta;
 
             if bounce >= self.roulette_from {
-                let most = if bounce >= ROULETTE_ALWAYS_FROM { 0.98 } else { 1.0 };
-                let survival = (throughput.max_element() * eta_scale).min(most);
+                let survival = roulette::survival(throughput, bounce);
                 if scatter[3] >= survival {
                     return out;
                 }
@@ -361,6 +365,7 @@ impl<'a> Kernel<'a> {
             ray = Ray {
                 origin: offset_origin(surface.p, surface.p_error, surface.ng, wi),
                 dir: wi,
+                dir_low: Vec3::ZERO,
                 t_max: f32::INFINITY,
                 from: surface.prim,
                 to: PrimRef::NONE,

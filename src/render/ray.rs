@@ -1,6 +1,6 @@
 //! Rays and what they hit.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// One primitive: an object of the geometry and, inside it, a triangle or face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,12 +32,14 @@ pub mod ray_mask {
 }
 
 /// A half line; hits count for 0 < t < `t_max`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Start, already offset from the surface it leaves.
     pub origin: Vec3,
     /// Direction; need not be unit, t counts in its length.
     pub dir: Vec3,
+    /// What the direction lost by rounding: aimed at something far away, `dir` alone misses it by u times the distance.
+    pub dir_low: Vec3,
     /// Hits at or beyond this are not wanted; may be infinite.
     pub t_max: f32,
     /// The primitive the ray leaves: a flat one cannot be hit again, a sphere only at its other side.
@@ -54,19 +56,41 @@ impl Ray {
         Ray {
             origin,
             dir,
+            dir_low: Vec3::ZERO,
             t_max: f32::INFINITY,
             from: PrimRef::NONE,
             to: PrimRef::NONE,
             mask: ray_mask::ALL,
         }
     }
+
+    /// The direction with all that is known of it.
+    #[inline(always)]
+    pub fn direction(&self) -> DVec3 {
+        self.dir.as_dvec3() + self.dir_low.as_dvec3()
+    }
+
+    /// The point at t.
+    #[inline(always)]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin.as_dvec3() + self.direction() * t
+    }
 }
 
-/// The nearest intersection of a ray. Of two at equal t the lower [`PrimRef`] wins.
+/// A direction as it is stored: rounded to f32, and what that lost.
+#[inline(always)]
+pub fn split_direction(w: DVec3) -> (Vec3, Vec3) {
+    let dir = w.as_vec3();
+    (dir, (w - dir.as_dvec3()).as_vec3())
+}
+
+/// The nearest intersection of a ray. Of two at equal t (to 40 bits) the lower [`PrimRef`] wins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance in units of the ray's direction.
     pub t: f32,
+    /// The same before it was rounded to f32.
+    pub exact: f64,
     /// What was hit.
     pub prim: PrimRef,
     /// Barycentric coordinates of v1 and v2 for triangles; unused elsewhere.

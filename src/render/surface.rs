@@ -1,7 +1,7 @@
 //! A point on a surface, as shading needs it.
 
 use super::ray::PrimRef;
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// What every hit needs. Camera-relative world space.
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +10,8 @@ pub struct Surface {
     pub p: Vec3,
     /// Bound on |p − exact point| per axis.
     pub p_error: Vec3,
+    /// What `p` lost by rounding: `p + p_low` is the point as far as it is known.
+    pub p_low: Vec3,
     /// Unit geometric normal, to the outside of solids, never turned towards the ray.
     pub ng: Vec3,
     /// Unit shading normal (interpolated), on the same side as `ng`.
@@ -25,6 +27,11 @@ pub struct Surface {
 impl Surface {
     /// Value of `light` where the primitive emits nothing.
     pub const NOT_A_LIGHT: u32 = u32::MAX;
+
+    /// The point before it was rounded.
+    pub fn exact(&self) -> DVec3 {
+        self.p.as_dvec3() + self.p_low.as_dvec3()
+    }
 }
 
 /// What only textured materials need; computed on demand.

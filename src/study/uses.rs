@@ -3,6 +3,7 @@
 //! Read from the description, which tells every cause; materials that nothing refers to do not count. What cannot be
 //! excluded counts as used: an axis that turns out to change nothing costs time, a missing one hides something.
 
+use crate::compile::effects::image_inputs;
 use crate::render::light::LightSet;
 use crate::scene::{
     Environment, EnvironmentKind, Material, MaterialId, Object, OpacityMode, Principled, Scene, Shape, SurfaceModel,
@@ -157,19 +158,6 @@ pub fn materials(scene: &Scene) -> BTreeSet<MaterialId> {
             parts.extend([*a, *b].into_iter().filter(|part| found.insert(*part)));
         }
     }
-    found
-}
-
-/// The textures of a material that colour it, normal maps and coverage left out.
-pub fn image_inputs(material: &Material) -> Vec<TextureId> {
-    let mut plain = material.clone();
-    plain.opacity.alpha.texture = None;
-    plain.normal_map = None;
-    if let SurfaceModel::Principled(p) = &mut plain.surface {
-        p.clearcoat_normal = None;
-    }
-    let mut found = Vec::new();
-    plain.each_texture(&mut |t| found.push(t));
     found
 }
 

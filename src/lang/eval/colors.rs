@@ -94,15 +94,12 @@ impl Interp<'_> {
                 T::Word(Word::Green) => 1,
                 T::Word(Word::Blue) => 2,
                 T::Word(Word::Filter | Word::Alpha) => 3,
-                T::Word(Word::Transmit) => 4,
+                T::Word(Word::Transmit) if !self.colors_end_at_transmit => 4,
                 // `color Red rgb …` does not exist, but `color rgb Red` followed by a colour identifier does not either.
                 _ => return Ok(v),
             };
             self.bump();
             v[index] = self.float("colour component")?;
-            if index == 4 {
-                self.transmit_part = Some((v[4], tok.span));
-            }
         }
     }
 

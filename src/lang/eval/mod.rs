@@ -79,6 +79,8 @@ pub struct Interp<'a> {
     pub names: Interner,
     /// Identifiers.
     pub scopes: Scopes,
+    /// Whether `transmit` behind a colour belongs to what holds the colour.
+    pub colors_end_at_transmit: bool,
     /// The scene as described so far.
     pub scene: SceneDesc,
     /// The language version in force, e.g. 3.7.
@@ -91,8 +93,6 @@ pub struct Interp<'a> {
     pub size_used: Option<Span>,
     /// Directory of the main file.
     pub scene_dir: PathBuf,
-    /// The last `transmit` that was read as a part of a colour, and where; blocks that have the word too ask for it.
-    pub transmit_part: Option<(f64, Span)>,
     frames: Vec<Frame>,
     /// The next token, if it is known.
     ahead: Option<Tok>,
@@ -134,6 +134,7 @@ impl<'a> Interp<'a> {
         diags: &'a mut Diagnostics,
     ) -> Interp<'a> {
         Interp {
+            colors_end_at_transmit: false,
             files,
             options,
             sources,
@@ -152,7 +153,6 @@ impl<'a> Interp<'a> {
             floor: 0,
             braces: Vec::new(),
             nesting: 0,
-            transmit_part: None,
             muted: 0,
             failed: false,
             resumed: false,

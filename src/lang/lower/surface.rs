@@ -1,6 +1,5 @@
 //! The blocks of the language's own surfaces: `diffuse`, `specular`, `glass`, `glossy`, `translucent`, `principled`.
 
-use crate::diag::Span;
 use crate::lang::desc::{Desc, ModelSurface, Pigment, PrincipledDesc};
 use crate::lang::eval::{Interp, Parsed, T, Value};
 use crate::lang::syntax::Word;
@@ -87,7 +86,13 @@ impl Interp<'_> {
             self.bump();
             let n = &mut items.numbers;
             match w {
-                Word::Color if items.word == Word::Translucent => items.color = Some(self.translucent_color(items)?),
+                Word::Color if items.word == Word::Translucent && self.peek().t != T::Word(Word::Pigment) => {
+                    // `transmit` is a part of colours too; behind the colour of a sheet it is the sheet's.
+                    self.colors_end_at_transmit = true;
+                    let color = self.color_source();
+                    self.colors_end_at_transmit = false;
+                    items.color = Some(color?);
+                }
                 Word::Color | Word::BaseColor => items.color = Some(self.color_source()?),
                 Word::SpecularColor => items.more_colors[0] = Some(self.color_source()?),
                 Word::SheenColor => items.more_colors[1] = Some(self.color_source()?),
@@ -133,10 +138,6 @@ impl Interp<'_> {
     pub fn within(&mut self, what: &str, min: f64, max: f64) -> Parsed<f64> {
         let at = self.peek().span;
         let v = self.finite(what)?;
-        self.checked(v, at, what, min, max)
-    }
-
-    fn checked(&mut self, v: f64, at: Span, what: &str, min: f64, max: f64) -> Parsed<f64> {
         if !(min..=max).contains(&v) {
             let range = match (min, max) {
                 (_, f64::MAX) if min == f64::MIN_POSITIVE => "positive".to_owned(),
@@ -146,18 +147,6 @@ impl Interp<'_> {
             return Err(self.error("P0311", at, format!("{what} must be {range}, found {v}")));
         }
         Ok(v)
-    }
-
-    /// The colour of a `translucent` sheet. A `transmit` behind it would be the colour's own in the grammar; here it is the
-    /// sheet's, as if it stood on a line of its own.
-    fn translucent_color(&mut self, items: &mut Items) -> Parsed<Rc<Pigment>> {
-        let is_block = self.peek().t == T::Word(Word::Pigment);
-        self.transmit_part = None;
-        let color = self.color_source()?;
-        if let (Some((t, at)), false) = (self.transmit_part, is_block) {
-            items.transmit = self.checked(t, at, "transmit", 0.0, 1.0)?;
-        }
-        Ok(color)
     }
 
     /// A colour, or `pigment { … }`.

@@ -5,7 +5,7 @@ use super::build::{build_tree, power_of_two_below};
 use super::node::{LEAF, Node};
 use super::simd::Isa;
 use super::traverse::{BoxRay, Leaf, traverse};
-use super::triangle::{LANES, ShearedRay, TriangleBlock};
+use super::triangle::{LANES, Line, ShearedRay, TriangleBlock};
 use crate::render::shape::candidates::Candidates;
 use crate::render::technique::BuildPreset;
 use glam::Vec3;
@@ -73,21 +73,30 @@ impl MeshTree {
         self.blocks.len()
     }
 
-    /// Offers the triangles that a ray in the tree's unit meets; with `any` it ends at the first.
+    /// Offers the triangles that a ray in the tree's unit meets; with `any` it ends at the first that counts.
     #[inline(always)]
-    pub fn intersect<I: Isa>(&self, origin: Vec3, dir: Vec3, any: bool, found: &mut Candidates) -> bool {
+    pub fn intersect<I: Isa>(&self, line: Line, any: bool, found: &mut Candidates) -> bool {
+        let (line, shift) = nearer(line);
         let mut leaf = Triangles {
             blocks: &self.blocks,
-            ray: ShearedRay::new(origin, dir),
+            ray: ShearedRay::new(line, shift),
             any,
         };
-        traverse::<I>(
-            &self.nodes,
-            self.stack_need,
-            &BoxRay::new(origin, dir, 2.0),
-            found,
-            &mut leaf,
-        )
+        let boxes = BoxRay::new(line.o.as_vec3(), line.d.as_vec3(), 2.0);
+        if shift == 0.0 {
+            return traverse::<I>(&self.nodes, self.stack_need, &boxes, found, &mut leaf);
+        }
+        found.start_boxes_at(shift);
+        let ended = traverse::<I>(&self.nodes, self.stack_need, &boxes, found, &mut leaf);
+        found.start_boxes_at(0.0);
+        ended
+    }
+
+    /// Offers one triangle, given by its number and its corners in the mesh's own unit.
+    pub fn intersect_one(&self, line: Line, id: u32, corners: [Vec3; 3], found: &mut Candidates) {
+        let (line, shift) = nearer(line);
+        let corners = corners.map(|p| (p.as_dvec3() / self.unit).as_vec3());
+        ShearedRay::new(line, shift).intersect(&TriangleBlock::new(&[(id, corners)]), found);
     }
 
     /// Takes the path for trees deeper than the stack.
@@ -104,9 +113,29 @@ impl MeshTree {
 
     /// Tests every triangle.
     #[cfg(test)]
-    pub fn intersect_by_force(&self, origin: Vec3, dir: Vec3, found: &mut Candidates) {
-        let ray = ShearedRay::new(origin, dir);
+    pub fn intersect_by_force(&self, line: Line, found: &mut Candidates) {
+        let (line, shift) = nearer(line);
+        let ray = ShearedRay::new(line, shift);
         self.blocks.iter().for_each(|block| ray.intersect(block, found));
+    }
+}
+
+/// A ray that comes from far away, started again nearby, and where along it that is. In f32 its start would be off by
+/// the rounding of the way, which may be more than the mesh is large; coordinates of the mesh do not exceed 2.
+#[inline(always)]
+fn nearer(line: Line) -> (Line, f64) {
+    const FAR: f64 = 64.0;
+    const REACH: f64 = 4.0;
+    if line.o.length_squared() <= FAR * FAR {
+        return (line, 0.0);
+    }
+    let length = line.d.length();
+    let shift = -line.o.dot(line.d) / (length * length) - REACH / length;
+    if shift > 0.0 {
+        let o = line.o + line.d * shift;
+        (Line { o, d: line.d }, shift)
+    } else {
+        (line, 0.0) // it runs away from the mesh
     }
 }
 

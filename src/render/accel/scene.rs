@@ -7,11 +7,12 @@ use super::node::{LEAF, Node};
 use super::simd::{Baseline, Isa};
 use super::spheres::{FEW, SphereList};
 use super::traverse::{BoxRay, Leaf, traverse};
-use crate::render::ray::{Hit, Ray};
+use super::triangle::Line;
+use crate::render::ray::{Hit, PrimRef, Ray};
 use crate::render::shape::candidates::Candidates;
 use crate::render::shape::{Placed, Shape, plane, sphere};
 use crate::render::technique::BuildPreset;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use std::marker::PhantomData;
 
 /// What an object is, as rays meet it.
@@ -185,52 +186,104 @@ impl SceneTree {
         };
     }
 
-    /// The nearest hit.
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        self.dispatch::<false>(ray).hit()
+    /// The nearest hit. A ray towards a primitive (`ray.to`; `corners` are those of a mesh triangle in the mesh's own
+    /// unit) ends where it meets that, see [`SceneTree::start`].
+    #[inline(always)]
+    pub fn closest(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> Option<Hit> {
+        self.dispatch::<false>(ray, self.start(ray, corners)).hit()
     }
 
     /// Whether anything blocks the ray.
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        self.dispatch::<true>(ray).found()
+    #[inline(always)]
+    pub fn occluded(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> bool {
+        if ray.to != PrimRef::NONE && self.planes.is_empty() && self.nodes.is_empty() {
+            // All spheres are looked at together: the one that the ray is sent to costs nothing there.
+            let free = Ray {
+                to: PrimRef::NONE,
+                t_max: f32::INFINITY,
+                ..*ray
+            };
+            let nearest = self.dispatch::<false>(&free, Candidates::new(&free));
+            if !nearest.found() || nearest.prim == ray.to {
+                return false;
+            }
+            if nearest.exact < f64::from(ray.t_max) {
+                return true;
+            }
+        }
+        self.dispatch::<true>(ray, self.start(ray, corners)).found()
+    }
+
+    /// What is known before the search. Of a ray towards a primitive the end is known: where this very ray meets it. What
+    /// is nearer blocks, and so does a lower primitive in the same place, just as if the ray had been sent to
+    /// find the primitive. Where rounding leads the ray past it, `t_max` stands.
+    #[inline(always)]
+    fn start(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> Candidates {
+        if ray.to == PrimRef::NONE {
+            return Candidates::new(ray);
+        }
+        self.start_towards(ray, corners)
+    }
+
+    #[inline(never)]
+    fn start_towards(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> Candidates {
+        let free = Ray {
+            to: PrimRef::NONE,
+            t_max: f32::INFINITY,
+            ..*ray
+        };
+        let mut end = Candidates::new(&free);
+        match (self.targets.get(ray.to.object as usize), corners) {
+            (Some(Target::Mesh { mesh, tree_from_world }), Some(corners)) => {
+                end.enter(ray.to.object, &free);
+                let line = line_in(tree_from_world, ray);
+                self.meshes[*mesh as usize].intersect_one(line, ray.to.prim, corners, &mut end);
+            }
+            (Some(Target::Mesh { .. }) | None, _) => {}
+            _ => self.meet::<false, Baseline>(ray.to.object, &free, &mut end),
+        }
+        if end.prim == ray.to {
+            end.end_here();
+            end
+        } else {
+            Candidates::new(ray)
+        }
     }
 
     #[inline(always)]
-    fn dispatch<const ANY: bool>(&self, ray: &Ray) -> Candidates {
+    fn dispatch<const ANY: bool>(&self, ray: &Ray, found: Candidates) -> Candidates {
         #[cfg(target_arch = "x86_64")]
         if self.instructions == Instructions::Avx2 {
             // SAFETY: `instructions` is Avx2 only where detection found it.
             #[allow(unsafe_code)]
             return unsafe {
                 if self.planes.is_empty() && self.nodes.is_empty() {
-                    self.trace_spheres_avx2(ray)
+                    self.trace_spheres_avx2(ray, found)
                 } else {
-                    self.trace_avx2::<ANY>(ray)
+                    self.trace_avx2::<ANY>(ray, found)
                 }
             };
         }
-        self.trace::<ANY, Baseline>(ray)
+        self.trace::<ANY, Baseline>(ray, found)
     }
 
     /// The same code for wider vectors. FMA stays off: a fused edge function would tell neighbours apart.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1")]
-    fn trace_avx2<const ANY: bool>(&self, ray: &Ray) -> Candidates {
-        self.trace::<ANY, super::simd::Avx2>(ray)
+    fn trace_avx2<const ANY: bool>(&self, ray: &Ray, found: Candidates) -> Candidates {
+        self.trace::<ANY, super::simd::Avx2>(ray, found)
     }
 
     /// Scenes of a few spheres alone: no stack of nodes to set up.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1")]
-    fn trace_spheres_avx2(&self, ray: &Ray) -> Candidates {
-        let mut found = Candidates::new(ray);
+    fn trace_spheres_avx2(&self, ray: &Ray, mut found: Candidates) -> Candidates {
         self.spheres.intersect(ray, &mut found);
         found
     }
 
     #[inline(always)]
-    fn trace<const ANY: bool, I: Isa>(&self, ray: &Ray) -> Candidates {
-        let mut found = Candidates::new(ray);
+    fn trace<const ANY: bool, I: Isa>(&self, ray: &Ray, mut found: Candidates) -> Candidates {
         if !self.spheres.is_empty() {
             self.spheres.intersect(ray, &mut found);
             if ANY && found.found() {
@@ -275,9 +328,7 @@ impl SceneTree {
             }
             if let Target::Mesh { mesh, tree_from_world } = &self.targets[object as usize] {
                 found.enter(object, ray);
-                let origin = tree_from_world.transform_point3(ray.origin.as_dvec3()).as_vec3();
-                let dir = tree_from_world.transform_vector3(ray.dir.as_dvec3()).as_vec3();
-                self.meshes[*mesh as usize].intersect_by_force(origin, dir, &mut found);
+                self.meshes[*mesh as usize].intersect_by_force(line_in(tree_from_world, ray), &mut found);
             } else {
                 self.meet::<false, Baseline>(object, ray, &mut found);
             }
@@ -288,7 +339,7 @@ impl SceneTree {
     #[inline(always)]
     fn meet<const ANY: bool, I: Isa>(&self, object: u32, ray: &Ray, found: &mut Candidates) {
         found.enter(object, ray);
-        let (o, d) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
+        let (o, d) = (ray.origin.as_dvec3(), ray.direction());
         match &self.targets[object as usize] {
             Target::Sphere { center, radius_squared } => {
                 let dd = d.length_squared();
@@ -299,11 +350,18 @@ impl SceneTree {
             Target::Plane { normal, distance } => plane::intersect(*normal, *distance, o, d, found),
             Target::Placed(placed) => placed.intersect(o, d, found),
             Target::Mesh { mesh, tree_from_world } => {
-                let origin = tree_from_world.transform_point3(o).as_vec3();
-                let dir = tree_from_world.transform_vector3(d).as_vec3();
-                self.meshes[*mesh as usize].intersect::<I>(origin, dir, ANY, found);
+                self.meshes[*mesh as usize].intersect::<I>(line_in(tree_from_world, ray), ANY, found);
             }
         }
+    }
+}
+
+/// The ray in the unit of a mesh's tree.
+#[inline(always)]
+fn line_in(tree_from_world: &DAffine3, ray: &Ray) -> Line {
+    Line {
+        o: tree_from_world.transform_point3(ray.origin.as_dvec3()),
+        d: tree_from_world.transform_vector3(ray.direction()),
     }
 }
 

@@ -1,9 +1,9 @@
 //! A handful of spheres, tested together: faster than any tree, and large spheres overlap everything anyway.
 
 use crate::render::ray::{PrimRef, Ray};
-use crate::render::shape::candidates::Candidates;
+use crate::render::shape::candidates::{Candidates, comparable};
 use crate::render::shape::sphere;
-use glam::{DVec3, Vec2};
+use glam::DVec3;
 
 /// Spheres tested at a time.
 const LANES: usize = 4;
@@ -60,14 +60,14 @@ impl SphereList {
     /// Offers the nearest sphere.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray, found: &mut Candidates) {
-        let (o, d) = (ray.origin.as_dvec3().to_array(), ray.dir.as_dvec3().to_array());
+        let (o, d) = (ray.origin.as_dvec3().to_array(), ray.direction().to_array());
         let dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         let inv_dd = 1.0 / dd;
         // A sphere has one face, 0; other faces mean none of these.
         let named = |p: PrimRef| if p.prim == 0 { f64::from(p.object) } else { -2.0 };
         let (from, to) = (named(ray.from), named(ray.to));
         let mask = u64::from(ray.mask);
-        let mut nearest = [f64::from(found.t); LANES];
+        let mut nearest = [found.exact; LANES];
         let mut object = [-1.0f64; LANES];
         for block in &self.blocks {
             for i in 0..LANES {
@@ -77,7 +77,7 @@ impl SphereList {
                     o[2] - block.center[2][i],
                 ];
                 let t = sphere::distance(f, d, dd, inv_dd, block.radius_squared[i], block.object[i] == from);
-                let t = f64::from(t as f32);
+                let t = comparable(t);
                 let seen = (block.visibility[i] & mask != 0) & (block.object[i] != to);
                 let better = seen & (t > 0.0) & ((t < nearest[i]) | ((t == nearest[i]) & (object[i] < 0.0)));
                 nearest[i] = if better { t } else { nearest[i] };
@@ -96,7 +96,7 @@ impl SphereList {
         if which >= 0.0 {
             found.object = which as u32;
             found.to = u32::MAX;
-            found.offer_rounded(best as f32, 0, Vec2::ZERO);
+            found.offer(best, 0);
         }
     }
 }

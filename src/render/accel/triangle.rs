@@ -1,7 +1,7 @@
 //! Four triangles at a time, watertight.
 
 use crate::render::shape::candidates::Candidates;
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 /// Triangles of a leaf.
 pub const LANES: usize = 4;
@@ -46,13 +46,27 @@ pub struct ShearedRay {
     origin: [f32; 3],
     /// Axes that become x, y and z; z is the direction's largest.
     axes: [usize; 3],
-    shear: [f32; 3],
+    shear: [f32; 2],
+    /// The ray before it was rounded.
+    exact: Line,
+    /// Where it starts, counted from the start of the ray in the world.
+    shift: f64,
+}
+
+/// A ray in the mesh's space: through `o` along `d`.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// Start.
+    pub o: DVec3,
+    /// Direction, of any length.
+    pub d: DVec3,
 }
 
 impl ShearedRay {
     /// Prepares a ray; a zero direction meets nothing.
     #[inline(always)]
-    pub fn new(origin: Vec3, dir: Vec3) -> ShearedRay {
+    pub fn new(line: Line, shift: f64) -> ShearedRay {
+        let (origin, dir) = (line.o.as_vec3(), line.d.as_vec3());
         let a = dir.abs();
         let z = if a.x >= a.y && a.x >= a.z {
             0
@@ -66,7 +80,9 @@ impl ShearedRay {
         ShearedRay {
             origin: origin.to_array(),
             axes: [x, y, z],
-            shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]],
+            shear: [d[x] / d[z], d[y] / d[z]],
+            exact: line,
+            shift,
         }
     }
 
@@ -75,7 +91,7 @@ impl ShearedRay {
     /// Both triangles at an edge form the same products from the same sheared corners, so one of them takes the ray; where
     /// an f32 edge function is exactly 0 its sign is decided in f64. No fused operations: they would treat the
     /// two neighbours differently. Only an exactly zero determinant is refused, so that small triangles stay.
-    /// t is formed from the barycentric coordinates, which keeps it in range where a determinant times a length is not.
+    /// Only which triangle it is comes from f32; where, from the ray before it was rounded ([`distance`]).
     /// Source: Woop, Benthin & Wald, Watertight Ray/Triangle Intersection, JCGT 2013.
     #[inline(always)]
     pub fn intersect(&self, block: &TriangleBlock, found: &mut Candidates) {
@@ -83,13 +99,11 @@ impl ShearedRay {
         let o = self.origin;
         let mut xs = [Vec4::ZERO; 3];
         let mut ys = [Vec4::ZERO; 3];
-        let mut zs = [Vec4::ZERO; 3];
         for k in 0..3 {
             let c = &block.corners[k];
             let z = c[kz] - o[kz];
             xs[k] = (c[kx] - o[kx]) - z * self.shear[0];
             ys[k] = (c[ky] - o[ky]) - z * self.shear[1];
-            zs[k] = z * self.shear[2];
         }
         // The edge opposite a corner runs from the next corner to the one after.
         let edge = |a: usize, b: usize| xs[b] * ys[a] - ys[b] * xs[a];
@@ -104,9 +118,7 @@ impl ShearedRay {
         let doubtful = (u.cmpeq(zero) | v.cmpeq(zero) | w.cmpeq(zero)).bitmask();
         let inv = Vec4::ONE / (u + v + w);
         let (b1, b2) = (v * inv, w * inv);
-        let t = u * inv * zs[0] + b1 * zs[1] + b2 * zs[2];
-        let wanted = (t.cmpgt(zero) & t.cmple(Vec4::splat(found.t))).bitmask();
-        let mut hits = !beside & (wanted | doubtful) & ALL_LANES;
+        let mut hits = !beside & ALL_LANES;
         while hits != 0 {
             let i = hits.trailing_zeros() as usize & (LANES - 1);
             hits &= hits - 1;
@@ -114,19 +126,41 @@ impl ShearedRay {
             if id == found.from {
                 continue; // flat: a ray cannot come back to it
             }
-            if doubtful >> i & 1 == 0 {
-                found.offer_rounded(t[i], id, Vec2::new(b1[i], b2[i]));
-            } else if let Some((t, b)) = on_an_edge(xs.map(|x| x[i]), ys.map(|y| y[i]), zs.map(|z| z[i])) {
-                found.offer_rounded(t, id, b);
-            }
+            let b = if doubtful >> i & 1 == 0 {
+                Vec2::new(b1[i], b2[i])
+            } else if let Some(b) = on_an_edge(xs.map(|x| x[i]), ys.map(|y| y[i])) {
+                b
+            } else {
+                continue;
+            };
+            let corners = block.corners.map(|c| c.map(|axis| f64::from(axis[i])));
+            found.offer_at(self.shift + distance(&self.exact, kz, corners), id, b);
         }
     }
 }
 
+/// Where the ray meets the plane of a triangle that it is known to pass through; `axis` is the direction's largest.
+///
+/// In f64, where a ray that starts beside the plane by the rounding of a coordinate is still on the right side of it, however
+/// large the triangle: no offset has to cover the rounding of the triangle's size. Edge-on, where the plane does
+/// not say, the corners do: the distance is at most the triangle's own depth away from them.
+#[inline(always)]
+fn distance(line: &Line, axis: usize, corners: [[f64; 3]; 3]) -> f64 {
+    let [v0, v1, v2] = corners.map(DVec3::from_array);
+    let n = (v1 - v0).cross(v2 - v0);
+    let t = n.dot(v0 - line.o) / n.dot(line.d);
+    let depth = |v: DVec3| (v[axis] - line.o[axis]) / line.d[axis];
+    let (a, b, c) = (depth(v0), depth(v1), depth(v2));
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let room = high - low;
+    // The order of arguments sends a NaN to the nearest corner.
+    t.max(low - room).min(high + room)
+}
+
 /// The test in f64, where products of f32 are exact.
 #[cold]
-fn on_an_edge(x: [f32; 3], y: [f32; 3], z: [f32; 3]) -> Option<(f32, Vec2)> {
-    let (x, y, z) = (x.map(f64::from), y.map(f64::from), z.map(f64::from));
+fn on_an_edge(x: [f32; 3], y: [f32; 3]) -> Option<Vec2> {
+    let (x, y) = (x.map(f64::from), y.map(f64::from));
     let edge = |a: usize, b: usize| x[b] * y[a] - y[b] * x[a];
     let (u, v, w) = (edge(1, 2), edge(2, 0), edge(0, 1));
     if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
@@ -136,7 +170,5 @@ fn on_an_edge(x: [f32; 3], y: [f32; 3], z: [f32; 3]) -> Option<(f32, Vec2)> {
     if det == 0.0 {
         return None;
     }
-    let (b0, b1, b2) = (u / det, v / det, w / det);
-    let t = b0 * z[0] + b1 * z[1] + b2 * z[2];
-    Some((t as f32, Vec2::new(b1 as f32, b2 as f32)))
+    Some(Vec2::new((v / det) as f32, (w / det) as f32))
 }

@@ -166,6 +166,15 @@ impl Bsdf {
         }
     }
 
+    /// n_transmitted / n_incident of what [`Bsdf::eval`] lets across, seen along `wo`; 1 where nothing is refracted.
+    pub fn eta_across(&self, wo: Vec3) -> f32 {
+        match self {
+            Bsdf::RoughGlass(b) => b.eta_towards(wo),
+            Bsdf::Principled(b) => b.base.bsdf().eta_across(wo),
+            _ => 1.0,
+        }
+    }
+
     /// [`Bsdf::eval`] and [`Bsdf::pdf`] at once.
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         match self {

@@ -32,7 +32,7 @@ pub struct RoughGlass {
 
 impl RoughGlass {
     /// n_transmitted / n_incident for light seen along `wo`.
-    fn eta_towards(&self, wo: Vec3) -> f32 {
+    pub(super) fn eta_towards(&self, wo: Vec3) -> f32 {
         if wo.z >= 0.0 { self.eta } else { 1.0 / self.eta }
     }
 

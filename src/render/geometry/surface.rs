@@ -12,7 +12,7 @@ impl Geometry {
     /// The surface where a ray hit. `hit` must come from this geometry and this ray.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let object = &self.objects[hit.prim.object as usize];
-        let along = || ray.origin.as_dvec3() + ray.dir.as_dvec3() * f64::from(hit.t);
+        let along = || ray.at(hit.exact);
         match &object.shape {
             Shape::Sphere { center, radius } => {
                 let n = sphere_normal(along() - *center, *radius);
@@ -31,7 +31,7 @@ impl Geometry {
             }
             Shape::Mesh { mesh, placement } => {
                 let mesh = &self.meshes[*mesh as usize];
-                let point = on_triangle(mesh, placement, hit).unwrap_or_else(|| Point::unknown(along(), ray));
+                let point = on_triangle(mesh, placement, ray, hit).unwrap_or_else(|| Point::unknown(along(), ray));
                 let slot = mesh.face_materials.get(hit.prim.prim as usize).copied().unwrap_or(0);
                 of_object(object, hit, slot, point)
             }
@@ -58,7 +58,8 @@ fn sphere_normal(v: DVec3, radius: f64) -> DVec3 {
 }
 
 struct Point {
-    p: Vec3,
+    p: DVec3,
+    /// Of the point rounded to f32.
     p_error: Vec3,
     ng: Vec3,
     ns: Vec3,
@@ -69,7 +70,7 @@ impl Point {
     fn unknown(p: DVec3, ray: &Ray) -> Point {
         let n = (-ray.dir).try_normalize().unwrap_or(Vec3::Y);
         Point {
-            p: p.as_vec3(),
+            p,
             p_error: Vec3::ZERO,
             ng: n,
             ns: n,
@@ -79,9 +80,11 @@ impl Point {
 
 #[inline(always)]
 fn of_object(object: &GeomObject, hit: &Hit, slot: u32, point: Point) -> Surface {
+    let p = point.p.as_vec3();
     Surface {
-        p: point.p,
+        p,
         p_error: point.p_error,
+        p_low: (point.p - p.as_dvec3()).as_vec3(),
         ng: point.ng,
         ns: point.ns,
         prim: hit.prim,
@@ -96,17 +99,7 @@ fn smooth(object: &GeomObject, hit: &Hit, p: DVec3, error: DVec3, n: DVec3) -> S
     let ng = n.as_vec3();
     // Rounded up: twice a bound that is itself tiny beside the rounding of the point.
     let p_error = rounded.abs() * (UNIT_ROUNDOFF * (1.0 + gamma(4))) + error.as_vec3() * 2.0;
-    of_object(
-        object,
-        hit,
-        0,
-        Point {
-            p: rounded,
-            p_error,
-            ng,
-            ns: ng,
-        },
-    )
+    of_object(object, hit, 0, Point { p, p_error, ng, ns: ng })
 }
 
 /// Barycentric weights of the three corners.
@@ -115,28 +108,26 @@ pub(super) fn weights(b: Vec2) -> [f64; 3] {
     [1.0 - b1 - b2, b1, b2]
 }
 
-/// The point from barycentric coordinates (never o + t·d, which is off by the distance's rounding), and both normals.
-fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, hit: &Hit) -> Option<Point> {
-    let corners = mesh.corners(hit.prim.prim)?.map(|v| v.as_dvec3());
-    let b = weights(hit.b);
-    let [v0, v1, v2] = corners;
+/// Where the ray meets the plane of the triangle, moved into the triangle where rounding led the ray beside it, and both
+/// normals. Formed from the corners, so that it lies in the plane to the rounding of f64 however far the ray came.
+fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, ray: &Ray, hit: &Hit) -> Option<Point> {
+    let [v0, v1, v2] = mesh.corners(hit.prim.prim)?.map(|v| v.as_dvec3());
+    let cross = (v1 - v0).cross(v2 - v0);
+    let b = inside(
+        [v0, v1, v2],
+        cross,
+        placement.mesh_from_world.transform_point3(ray.at(hit.exact)),
+    );
+    let b = b.unwrap_or_else(|| weights(hit.b));
     let local = v0 * b[0] + v1 * b[1] + v2 * b[2];
     let world = placement.world_from_mesh.transform_point3(local);
-
-    // The new ray is rounded to the mesh's space, and the tests of the neighbouring triangles round the corners as seen
-    // from its start: both move with the corners, weighted as the point is.
-    let spread: DVec3 = (0..3).map(|i| corners[i].abs() * b[i].abs()).sum();
-    let seen: f64 = (0..3)
-        .map(|i| (corners[i] - local).abs().max_element() * b[i].abs())
-        .sum();
-    let local_error = spread * f64::from(gamma(7)) + DVec3::splat(seen * 4.0 * f64::from(UNIT_ROUNDOFF));
     let forward = abs(placement.world_from_mesh.matrix3);
-    let rounding = (forward * local.abs() + placement.world_from_mesh.translation.abs()) * F64_MARGIN;
-    let p = world.as_vec3();
-    let p_error = error_after_rounding(p, forward * local_error + rounding);
+    let largest = v0.abs().max(v1.abs()).max(v2.abs());
+    let rounding = (forward * largest + placement.world_from_mesh.translation.abs()) * F64_MARGIN;
+    let p_error = error_after_rounding(world.as_vec3(), rounding);
+    let p = world;
 
     let to_world = |n: DVec3| unit_normal(&placement.mesh_from_world, n);
-    let cross = (v1 - v0).cross(v2 - v0);
     let ng = to_world(if mesh.flip_winding { -cross } else { cross }).as_vec3();
     let ns = mesh.by_corner(&mesh.normals, hit.prim.prim).and_then(|n| {
         let mean = n[0].as_dvec3() * b[0] + n[1].as_dvec3() * b[1] + n[2].as_dvec3() * b[2];
@@ -146,4 +137,16 @@ fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, hit: &Hit) -> Option<
     let ns = ns.map_or(ng, |n| n.as_vec3());
     let ns = if ns.dot(ng) < 0.0 { -ns } else { ns };
     Some(Point { p, p_error, ng, ns })
+}
+
+/// Barycentric weights of the point of the triangle next to `p`, which lies beside it at most by rounding; `cross` is
+/// twice its area along the normal. `None` if that is too small to tell.
+fn inside([v0, v1, v2]: [DVec3; 3], cross: DVec3, p: DVec3) -> Option<[f64; 3]> {
+    let (e1, e2, d) = (v1 - v0, v2 - v0, p - v0);
+    let b1 = d.cross(e2).dot(cross).max(0.0);
+    let b2 = e1.cross(d).dot(cross).max(0.0);
+    let b0 = (cross.length_squared() - b1 - b2).max(0.0);
+    let sum = b0 + b1 + b2;
+    let b = [b0 / sum, b1 / sum, b2 / sum];
+    b.iter().all(|x| x.is_finite()).then_some(b)
 }

@@ -22,7 +22,7 @@ impl Kernel<'_> {
         way: Way,
         stats: &mut PathStats,
     ) -> Vec3 {
-        let (f, bsdf_pdf) = sides.eval_pdf(light.wi);
+        let (mut f, bsdf_pdf) = sides.eval_pdf(light.wi);
         let is_caustic = way != Way::Any && way.after(bsdf_pdf >= MIRROR_LIKE) == Way::Caustic;
         if f == Vec3::ZERO || is_caustic {
             return Vec3::ZERO;
@@ -37,6 +37,18 @@ impl Kernel<'_> {
         } else {
             light.radiance
         };
+        let material = &self.scene.materials[surface.material as usize];
+        let behind;
+        let mut media = media;
+        if material.interior && (light.wi.dot(surface.ng) < 0.0) != (sides.wo.z < 0.0) {
+            let eta = sides.bsdf.eta_across(sides.wo);
+            f *= eta * eta; // radiance over n², as along the path
+            let mut beyond = media.clone();
+            let is_known = beyond.cross(surface.prim.object, sides.wo.z >= 0.0, material);
+            stats.anomalies.count(Anomaly::StackOverflow, u64::from(!is_known));
+            behind = beyond;
+            media = &behind;
+        }
         let unshadowed = f * radiance * (weight / light.pdf);
         if unshadowed == Vec3::ZERO {
             return Vec3::ZERO;
@@ -45,6 +57,7 @@ impl Kernel<'_> {
         let ray = Ray {
             origin,
             dir: light.wi,
+            dir_low: light.wi_low,
             t_max: light.t_max - (origin - surface.p).length() * light.slant,
             from: surface.prim,
             to: light.to,
@@ -58,6 +71,7 @@ impl Kernel<'_> {
         let geometry = &self.scene.geometry;
         let hit = Hit {
             t: light.distance,
+            exact: f64::from(light.distance),
             prim: light.to,
             b: light.b,
         };
@@ -72,22 +86,24 @@ impl Kernel<'_> {
         let traits = self.scene.traits;
         let through_glass = light.delta && traits.lamp_through_glass;
         if !light.casts_shadow {
-            return Vec3::ONE;
+            return Vec3::splat(media.basic());
         }
+        // What comes from infinitely far away comes from air.
+        let given = |media: &MediumStack| if light.distance.is_finite() { media.basic() } else { 1.0 };
         if !traits.see_through && !through_glass {
             stats.rays += 1;
             if self.scene.geometry.occluded(&ray) {
                 return Vec3::ZERO;
             }
-            return media.transmittance(light.distance);
+            return media.transmittance(light.distance) * given(media);
         }
-        let mut media = *media;
+        let mut media = media.clone();
         let mut left = Vec3::ONE;
         let mut rest = light.distance;
         for _ in 0..MOST_PASSES {
             stats.rays += 1;
             let Some(hit) = self.scene.geometry.closest(&ray) else {
-                return left * media.transmittance(rest);
+                return left * media.transmittance(rest) * given(&media);
             };
             let surface = self.scene.geometry.surface(&ray, &hit);
             let material = &self.scene.materials[surface.material as usize];
@@ -105,17 +121,14 @@ impl Kernel<'_> {
                 return left;
             }
             if material.interior && alpha > 0.0 {
-                if cos < 0.0 {
-                    media.enter(surface.prim.object, material.ior, material.absorption);
-                } else {
-                    media.leave(surface.prim.object);
-                }
+                let is_known = media.cross(surface.prim.object, cos < 0.0, material);
+                stats.anomalies.count(Anomaly::StackOverflow, u64::from(!is_known));
             }
             rest -= hit.t;
             let next = go_on(&ray, &surface);
             let t_max = ray.t_max - hit.t - (next.origin - surface.p).length() * light.slant;
             if t_max <= 0.0 {
-                return left;
+                return left * given(&media);
             }
             ray = Ray { t_max, ..next };
         }

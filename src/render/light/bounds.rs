@@ -86,13 +86,13 @@ impl LightBounds {
                 }
             }
             Light::Triangle(l) => surface(
-                &[l.p0, l.p0 + l.e1, l.p0 + l.e2],
+                &[Vec3::ZERO, l.e1, l.e2].map(|e| (l.p0 + e.as_dvec3()).as_vec3()),
                 l.normal_twice_area() * 0.5,
                 l.radiance,
                 l.two_sided,
             ),
             Light::Parallelogram(l) => surface(
-                &[l.p0, l.p0 + l.e1, l.p0 + l.e2, l.p0 + l.e1 + l.e2],
+                &[Vec3::ZERO, l.e1, l.e2, l.e1 + l.e2].map(|e| (l.p0 + e.as_dvec3()).as_vec3()),
                 l.normal_area(),
                 l.radiance,
                 l.two_sided,

@@ -4,6 +4,7 @@ use super::flat::FlatTarget;
 use super::{Aim, HitOnLight, Receiver, SphereLight, shadow_end};
 use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
+use crate::render::ray::split_direction;
 use glam::{DVec3, Vec2};
 
 /// A sphere that emits everywhere but is sampled only on a cap, uniformly in area.
@@ -41,9 +42,11 @@ impl SphereCapLight {
         let across = (frame.t * cos_phi + frame.b * sin_phi).as_dvec3();
         let normal = self.axis * (1.0 - x) + across * (x * (2.0 - x)).max(0.0).sqrt();
         let q = self.sphere.center + normal * self.sphere.radius;
-        let (wi, pdf, t) = self.target(normal).aim_at(at, q)?;
+        let (w, pdf, t) = self.target(normal).aim_at(at, q)?;
+        let (wi, wi_low) = split_direction(w);
         Some(Aim {
             wi,
+            wi_low,
             radiance: self.sphere.radiance,
             pdf,
             t_max: shadow_end(t as f32, at.p),

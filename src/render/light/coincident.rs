@@ -26,12 +26,12 @@ fn shape_of(light: &Light) -> Option<([u64; 11], PrimRef)> {
         }
         Light::SphereCap(l) => return shape_of(&Light::Sphere(l.sphere)),
         Light::Triangle(l) => {
-            let v = [l.p0, l.e1, l.e2].map(|v| v.as_dvec3().to_array());
+            let v = [l.p0, l.e1.as_dvec3(), l.e2.as_dvec3()].map(|v| v.to_array());
             fill(2, v.as_flattened());
             l.prim
         }
         Light::Parallelogram(l) => {
-            let v = [l.p0, l.e1, l.e2].map(|v| v.as_dvec3().to_array());
+            let v = [l.p0, l.e1.as_dvec3(), l.e2.as_dvec3()].map(|v| v.to_array());
             fill(3, v.as_flattened());
             l.prim
         }

@@ -3,7 +3,7 @@
 use super::flat::FlatTarget;
 use super::{Aim, HitOnLight, Receiver};
 use crate::math::warp::disc_concentric;
-use crate::render::ray::PrimRef;
+use crate::render::ray::{PrimRef, split_direction};
 use glam::{DVec3, Vec2, Vec3};
 
 /// An ellipse that emits, with or without a hole, on the side of `axis1 × axis2` or on both; sampled uniformly in area.
@@ -46,11 +46,13 @@ impl DiscLight {
             let d = self.ring(disc_concentric(u).as_dvec2());
             self.axis1 * d.x + self.axis2 * d.y
         };
-        let (wi, pdf, t) = self.target().aim_at(at, q)?;
+        let (w, pdf, t) = self.target().aim_at(at, q)?;
+        let (wi, wi_low) = split_direction(w);
         let size = self.axis1.abs().max(self.axis2.abs()).max_element();
         let (t_max, slant) = self.target().shadow_end(at, wi, t, size);
         Some(Aim {
             wi,
+            wi_low,
             radiance: self.radiance,
             pdf,
             t_max,

@@ -54,6 +54,7 @@ impl EnvironmentLight {
         };
         (pdf > 0.0 && pdf.is_finite()).then_some(Aim {
             wi,
+            wi_low: Vec3::ZERO,
             radiance,
             pdf,
             t_max: f32::INFINITY,

@@ -3,7 +3,7 @@
 use super::{Aim, Receiver, shadow_end};
 use crate::math::portable;
 use crate::math::warp::disc_concentric;
-use crate::render::ray::PrimRef;
+use crate::render::ray::{PrimRef, split_direction};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -219,6 +219,7 @@ impl DirectionalLamp {
     pub(crate) fn sample(&self) -> Aim {
         Aim {
             wi: -self.direction,
+            wi_low: Vec3::ZERO,
             radiance: self.color * PI,
             pdf: 1.0,
             t_max: f32::INFINITY,
@@ -255,8 +256,10 @@ fn aim(
     if radiance == Vec3::ZERO || !radiance.is_finite() {
         return None;
     }
+    let (wi, wi_low) = split_direction(w);
     Some(Aim {
-        wi: w.as_vec3(),
+        wi,
+        wi_low,
         radiance,
         pdf: 1.0,
         t_max: shadow_end(r as f32, at.p),

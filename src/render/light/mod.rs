@@ -116,6 +116,8 @@ impl Receiver {
 pub struct LightSample {
     /// Unit direction to the light.
     pub wi: Vec3,
+    /// What it lost by rounding, where that is known.
+    pub wi_low: Vec3,
     /// Radiance that arrives if nothing blocks it. For delta lights irradiance at normal incidence, so that the
     /// contribution is f·cos·`radiance`/`pdf` for every light. Only an average if `textured`.
     pub radiance: Vec3,
@@ -160,6 +162,7 @@ pub struct HitOnLight {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aim {
     pub wi: Vec3,
+    pub wi_low: Vec3,
     pub radiance: Vec3,
     /// Per solid angle, 1 for delta lights.
     pub pdf: f32,

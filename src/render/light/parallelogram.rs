@@ -4,7 +4,7 @@ use super::choice::remap;
 use super::flat::FlatTarget;
 use super::solid_angle::SphericalTriangle;
 use super::{Aim, HitOnLight, Receiver};
-use crate::render::ray::PrimRef;
+use crate::render::ray::{PrimRef, split_direction};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A parallelogram that emits, on the side of `e1 × e2` or on both. Sampled uniformly in solid
@@ -12,7 +12,7 @@ use glam::{DVec3, Vec2, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParallelogramLight {
     /// First corner.
-    pub p0: Vec3,
+    pub p0: DVec3,
     /// Whole first edge.
     pub e1: Vec3,
     /// Whole second edge.
@@ -43,7 +43,7 @@ impl ParallelogramLight {
     /// Its two halves on the sphere of directions, if it is near enough for that to pay. Both turn about the first
     /// corner, so that the map from random numbers to directions has no jump.
     fn seen_near(&self, p: Vec3) -> Option<[SphericalTriangle; 2]> {
-        let a = self.p0.as_dvec3() - p.as_dvec3();
+        let a = self.p0 - p.as_dvec3();
         let (e1, e2) = (self.e1.as_dvec3(), self.e2.as_dvec3());
         self.target().is_near(a, a + (e1 + e2) * 0.5).then(|| {
             let opposite = a + e1 + e2;
@@ -55,8 +55,8 @@ impl ParallelogramLight {
     }
 
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
-        let edges = [self.p0.as_dvec3(), self.e1.as_dvec3(), self.e2.as_dvec3()];
-        let (wi, pdf, t, b) = match self.seen_near(at.p) {
+        let edges = [self.p0, self.e1.as_dvec3(), self.e2.as_dvec3()];
+        let (w, pdf, t, b) = match self.seen_near(at.p) {
             Some([first, second]) => {
                 let solid_angle = first.solid_angle + second.solid_angle;
                 let share = first.solid_angle / solid_angle;
@@ -70,14 +70,16 @@ impl ParallelogramLight {
             }
             None => {
                 let q = edges[0] + edges[1] * f64::from(u.x) + edges[2] * f64::from(u.y);
-                let (wi, pdf, t) = self.target().aim_at(at, q)?;
-                (wi, pdf, t, u)
+                let (w, pdf, t) = self.target().aim_at(at, q)?;
+                (w, pdf, t, u)
             }
         };
+        let (wi, wi_low) = split_direction(w);
         let size = f64::from(self.e1.abs().max(self.e2.abs()).max_element());
         let (t_max, slant) = self.target().shadow_end(at, wi, t, size);
         Some(Aim {
             wi,
+            wi_low,
             radiance: self.radiance,
             pdf,
             t_max,

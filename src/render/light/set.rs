@@ -150,6 +150,7 @@ impl LightSet {
         };
         (pdf > 0.0).then_some(LightSample {
             wi: aim.wi,
+            wi_low: aim.wi_low,
             radiance,
             pdf,
             delta: l.is_delta(),

@@ -90,6 +90,7 @@ impl SphereLight {
     fn aim(&self, at: &Receiver, wi: Vec3, pdf: f32, t: f32) -> Aim {
         Aim {
             wi,
+            wi_low: Vec3::ZERO,
             radiance: self.radiance,
             pdf,
             t_max: shadow_end(t, at.p),

@@ -4,7 +4,7 @@ use super::flat::FlatTarget;
 use super::solid_angle::SphericalTriangle;
 use super::{Aim, HitOnLight, Receiver};
 use crate::math::warp;
-use crate::render::ray::PrimRef;
+use crate::render::ray::{PrimRef, split_direction};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A triangle that emits, on the side of `e1 × e2` or on both. Sampled uniformly in solid angle if
@@ -12,7 +12,7 @@ use glam::{DVec3, Vec2, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleLight {
     /// First corner.
-    pub p0: Vec3,
+    pub p0: DVec3,
     /// From the first to the second corner.
     pub e1: Vec3,
     /// From the first to the third corner.
@@ -46,7 +46,7 @@ impl TriangleLight {
 
     /// The triangle on the sphere of directions, if it is near enough for that to pay.
     fn seen_near(&self, p: Vec3) -> Option<SphericalTriangle> {
-        let a = self.p0.as_dvec3() - p.as_dvec3();
+        let a = self.p0 - p.as_dvec3();
         let (e1, e2) = (self.e1.as_dvec3(), self.e2.as_dvec3());
         let center = a + (e1 + e2) * (1.0 / 3.0);
         self.target()
@@ -57,19 +57,21 @@ impl TriangleLight {
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
         let (e1, e2) = (self.e1.as_dvec3(), self.e2.as_dvec3());
         let target = self.target();
-        let (wi, pdf, t, b) = match self.seen_near(at.p) {
-            Some(seen) => target.aim_along(at, seen.sample(u)?, seen.solid_angle, [self.p0.as_dvec3(), e1, e2])?,
+        let (w, pdf, t, b) = match self.seen_near(at.p) {
+            Some(seen) => target.aim_along(at, seen.sample(u)?, seen.solid_angle, [self.p0, e1, e2])?,
             None => {
                 let b = warp::triangle(u);
-                let q = self.p0.as_dvec3() + e1 * f64::from(b.x) + e2 * f64::from(b.y);
-                let (wi, pdf, t) = target.aim_at(at, q)?;
-                (wi, pdf, t, b)
+                let q = self.p0 + e1 * f64::from(b.x) + e2 * f64::from(b.y);
+                let (w, pdf, t) = target.aim_at(at, q)?;
+                (w, pdf, t, b)
             }
         };
+        let (wi, wi_low) = split_direction(w);
         let size = f64::from(self.e1.abs().max(self.e2.abs()).max_element());
         let (t_max, slant) = self.target().shadow_end(at, wi, t, size);
         Some(Aim {
             wi,
+            wi_low,
             radiance: self.radiance,
             pdf,
             t_max,

@@ -7,8 +7,11 @@ use glam::Vec2;
 /// The order in which candidates are offered does not matter.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidates {
-    /// Largest t that is still wanted: the best hit's, or the number below the ray's `t_max`.
+    /// Largest t that is still wanted, for boxes: that of the best hit or the number below the ray's `t_max`, rounded to
+    /// f32 and counted from `shift`.
     pub t: f32,
+    /// The same for primitives, counted from the ray's start.
+    pub exact: f64,
     /// What was hit, [`PrimRef::NONE`] so far.
     pub prim: PrimRef,
     /// Barycentric coordinates of the hit.
@@ -19,20 +22,41 @@ pub struct Candidates {
     pub from: u32,
     /// Face of that object that does not block, or `u32::MAX`.
     pub to: u32,
+    /// Where the boxes that are being walked take the ray to start.
+    shift: f64,
+    /// What stands at the end of the ray, where that is known: nothing is found as long as it is the nearest.
+    end: PrimRef,
+}
+
+/// t as candidates compare it: rounded to 40 bits. What lies in one place has one t then, whatever formula it comes
+/// from, and the lower primitive wins; what is apart by more than 2⁻³⁹·t stays apart.
+#[inline(always)]
+pub fn comparable(t: f64) -> f64 {
+    const BITS: u32 = 13;
+    f64::from_bits((t.to_bits() + (1 << (BITS - 1))) & !((1 << BITS) - 1))
 }
 
 impl Candidates {
     /// Nothing found yet. A `t_max` that is zero, negative or NaN leaves nothing to find.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Candidates {
+        let t = ray.t_max.next_down();
         Candidates {
-            t: ray.t_max.next_down(),
+            t,
+            exact: f64::from(t),
             prim: PrimRef::NONE,
             b: Vec2::ZERO,
             object: u32::MAX,
             from: u32::MAX,
             to: u32::MAX,
+            shift: 0.0,
+            end: PrimRef::NONE,
         }
+    }
+
+    /// Takes what was found as the end of the ray: from now on only what hides it is found.
+    pub fn end_here(&mut self) {
+        self.end = self.prim;
     }
 
     /// Names the object whose intersections come next.
@@ -47,27 +71,36 @@ impl Candidates {
         self.to = if ray.to.object == object { ray.to.prim } else { u32::MAX };
     }
 
-    /// Whether anything was hit.
+    /// Lets boxes count t from `shift` on.
+    #[inline(always)]
+    pub fn start_boxes_at(&mut self, shift: f64) {
+        self.shift = shift;
+        self.t = (self.exact - shift) as f32;
+    }
+
+    /// Whether anything was hit, before the end if that is known.
     #[inline(always)]
     pub fn found(&self) -> bool {
-        self.prim != PrimRef::NONE
+        self.prim != self.end
     }
 
-    /// Offers an intersection of the current object in f64; anything but 0 < t < t_max is refused after rounding.
+    /// Offers an intersection of the current object; anything but 0 < t < t_max is refused.
     #[inline(always)]
     pub fn offer(&mut self, t: f64, face: u32) {
-        self.offer_rounded(t as f32, face, Vec2::ZERO);
+        self.offer_at(t, face, Vec2::ZERO);
     }
 
-    /// Offers an intersection whose t has the ray's own precision.
+    /// The same with the place on a triangle.
     #[inline(always)]
-    pub fn offer_rounded(&mut self, t: f32, face: u32, b: Vec2) {
+    pub fn offer_at(&mut self, t: f64, face: u32, b: Vec2) {
         let prim = PrimRef {
             object: self.object,
             prim: face,
         };
-        if t > 0.0 && face != self.to && (t < self.t || (t == self.t && prim < self.prim)) {
-            self.t = t;
+        let exact = comparable(t);
+        if t > 0.0 && face != self.to && (exact < self.exact || (exact == self.exact && prim < self.prim)) {
+            self.exact = exact;
+            self.t = (exact - self.shift) as f32;
             self.prim = prim;
             self.b = b;
         }
@@ -77,9 +110,50 @@ impl Candidates {
     #[inline(always)]
     pub fn hit(&self) -> Option<Hit> {
         self.found().then_some(Hit {
-            t: self.t,
+            t: self.exact as f32,
+            exact: self.exact,
             prim: self.prim,
             b: self.b,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// Neighbours among the 40-bit numbers are 2⁻⁴⁰ to 2⁻³⁹ apart, relative to t.
+    #[test]
+    fn what_is_apart_stays_apart_and_rounding_does_not_count() {
+        let mut t = 1e-30;
+        while t < 1e30 {
+            assert_eq!(comparable(t * (1.0 + 2e-16)), comparable(t), "{t}");
+            assert!(comparable(t * (1.0 + 4e-12)) > comparable(t), "{t}");
+            assert!((comparable(t) / t - 1.0).abs() <= 2f64.powi(-40), "{t}");
+            t *= 7.3890560989;
+        }
+        assert_eq!(comparable(f64::INFINITY), f64::INFINITY);
+    }
+
+    #[test]
+    fn only_what_hides_the_end_of_the_ray_is_found() {
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let mut end = Candidates::new(&ray);
+        end.enter(5, &ray);
+        end.offer(2.0, 0);
+        end.end_here();
+        for (object, t, hides) in [
+            (7, 2.0, false),
+            (3, 2.0, true),
+            (7, 1.999, true),
+            (3, 2.001, false),
+            (5, 2.0, false),
+        ] {
+            let mut found = end;
+            found.enter(object, &ray);
+            found.offer(t, 0);
+            assert_eq!(found.found(), hides, "{object} at {t}");
+        }
     }
 }

@@ -53,8 +53,8 @@ impl Placed {
         self.kind.intersect(line, shift, found);
     }
 
-    /// The surface point of a face near `p`, its error per axis and the outward unit normal.
-    pub fn surface(&self, face: u32, p: DVec3) -> (Vec3, Vec3, DVec3) {
+    /// The surface point of a face near `p`, the error per axis of the point rounded to f32, and the outward unit normal.
+    pub fn surface(&self, face: u32, p: DVec3) -> (DVec3, Vec3, DVec3) {
         let local = self.object_from_world.transform_point3(p);
         let (local, n) = self.kind.project(face, local);
         let world = self.world_from_object.transform_point3(local);
@@ -65,8 +65,7 @@ impl Placed {
         let own = back * world.abs() + self.object_from_world.translation.abs() + DVec3::splat(reach.max_element());
         let error = (forward * own + self.world_from_object.translation.abs()) * (64.0 * ROUNDOFF);
         let n = unit_normal(&self.object_from_world, n);
-        let rounded = world.as_vec3();
-        (rounded, error_after_rounding(rounded, error), n)
+        (world, error_after_rounding(world.as_vec3(), error), n)
     }
 }
 

@@ -105,7 +105,7 @@ fn triangle_light(mesh: &MeshData, map: &DAffine3, triangle: u32) -> TriangleLig
         .expect("in range")
         .map(|v| map.transform_point3(v.as_dvec3()));
     TriangleLight {
-        p0: a.as_vec3(),
+        p0: a,
         e1: (b - a).as_vec3(),
         e2: (c - a).as_vec3(),
         flipped: false,
@@ -197,7 +197,7 @@ fn a_box_lamp_does_not_shade_its_own_faces() {
                 let mut corner = -half;
                 corner[axis] = half[axis];
                 let light = ParallelogramLight {
-                    p0: map.transform_point3(corner).as_vec3(),
+                    p0: map.transform_point3(corner),
                     e1: edge(a).as_vec3(),
                     e2: edge(b).as_vec3(),
                     radiance: Vec3::ONE,

@@ -290,7 +290,7 @@ fn choices_do_not_depend_on_the_unit_of_length() {
         let scale = 2f32.powi(exponent);
         let scaled = lights.iter().map(|l| match l {
             Light::Triangle(l) => Light::Triangle(TriangleLight {
-                p0: l.p0 * scale,
+                p0: l.p0 * f64::from(scale),
                 e1: l.e1 * scale,
                 e2: l.e2 * scale,
                 ..*l

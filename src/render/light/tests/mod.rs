@@ -2,11 +2,13 @@
 
 mod choosing;
 mod densities;
+mod flat;
 mod irradiance;
 mod lamps;
 mod sky;
 mod spheres;
 mod strategies;
+mod tables;
 
 use super::*;
 use crate::math::frame::Frame;
@@ -30,14 +32,14 @@ fn oracle_hit(light: &Light, p: DVec3, w: DVec3) -> OracleHit {
     match light {
         Light::Triangle(l) => {
             let (e1, e2) = (l.e1.as_dvec3(), l.e2.as_dvec3());
-            let (t, d, n) = plane(l.p0.as_dvec3(), e1.cross(e2))?;
+            let (t, d, n) = plane(l.p0, e1.cross(e2))?;
             let (a, b) = along(d, e1, e2);
             (a >= 0.0 && b >= 0.0 && a + b <= 1.0).then_some(())?;
             facing(l.two_sided, (t, n))
         }
         Light::Parallelogram(l) => {
             let (e1, e2) = (l.e1.as_dvec3(), l.e2.as_dvec3());
-            let (t, d, n) = plane(l.p0.as_dvec3(), e1.cross(e2))?;
+            let (t, d, n) = plane(l.p0, e1.cross(e2))?;
             let (a, b) = along(d, e1, e2);
             (0.0..=1.0).contains(&a).then_some(())?;
             (0.0..=1.0).contains(&b).then_some(())?;
@@ -119,7 +121,7 @@ fn cap(center: DVec3, radius: f64, axis: DVec3, one_minus_cos: f64) -> Light {
 
 fn triangle(p0: Vec3, p1: Vec3, p2: Vec3, two_sided: bool) -> Light {
     Light::Triangle(TriangleLight {
-        p0,
+        p0: p0.as_dvec3(),
         e1: p1 - p0,
         e2: p2 - p0,
         flipped: false,
@@ -132,7 +134,7 @@ fn triangle(p0: Vec3, p1: Vec3, p2: Vec3, two_sided: bool) -> Light {
 
 fn parallelogram(p0: Vec3, e1: Vec3, e2: Vec3) -> Light {
     Light::Parallelogram(ParallelogramLight {
-        p0,
+        p0: p0.as_dvec3(),
         e1,
         e2,
         radiance: Vec3::ONE,
