@@ -5,4 +5,6 @@
 #[path = "../../tests/support/intersection.rs"]
 mod intersection;
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| intersection::check(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    intersection::check(data);
+});

@@ -291,8 +291,10 @@ fn clear_triangle([a, b, c]: [DVec3; 3], o: DVec3, d: DVec3) -> Clear {
     clear.then(|| (t, 100.0 * slack / d.length()))
 }
 
-/// Makes a scene of the bytes, shoots at it and compares. Panics where the engine is wrong.
-pub fn check(data: &[u8]) {
+/// Makes a scene of the bytes, shoots at it and compares. Panics where the engine is wrong; returns how many rays hit and
+/// for how many brute force was sure of a crossing.
+pub fn check(data: &[u8]) -> [usize; 2] {
+    let (mut hits, mut crossings) = (0, 0);
     let mut bytes = Bytes(data);
     let scale = 2f64.powi(i32::from(bytes.byte() as i8) / 4);
     let mut meshes = Vec::new();
@@ -328,14 +330,17 @@ pub fn check(data: &[u8]) {
             "any and nearest disagree: {ray:?}"
         );
         if let Some((t, more)) = objects.iter().map(|x| x.first_clear(&ray)).fold(None, nearer) {
+            crossings += 1;
             let got = hit.map_or(f64::INFINITY, |h| f64::from(h.t));
             assert!(got <= t + more, "{got} found, {t} is there: {ray:?}");
         }
         if let Some(hit) = hit {
+            hits += 1;
             let (off, bound) = objects[hit.prim.object as usize].off(&ray, f64::from(hit.t), hit.prim.prim);
             assert!(off <= bound, "{off} off the surface, {bound} granted: {ray:?}, {hit:?}");
             let s = fastest.surface(&ray, &hit);
             assert!(s.p.is_finite() && (s.ng.length() - 1.0).abs() < 1e-6, "{s:?}");
         }
     }
+    [hits, crossings]
 }

@@ -4,10 +4,12 @@ use super::super::{GeomObject, Geometry, MeshData};
 use super::exact::{Dd, Exact3};
 use super::placing::*;
 use super::support::*;
+use crate::math::robust::{UNIT_ROUNDOFF, offset_origin};
 use crate::math::stats::Pcg;
 use crate::render::accel::bounds::Bounds;
 use crate::render::ray::Ray;
 use crate::render::shape::{Shape, Solid};
+use crate::render::surface::Surface;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use proptest::prelude::*;
 
@@ -224,4 +226,98 @@ fn maps_that_nearly_flatten_give_finite_answers() {
         }
     }
     assert!(hits > 1000, "{hits}");
+}
+
+/// Slabs as thin as a hundred roundings of where they stand: a ray that enters finds the far side, a ray that leaves there
+/// does not come back. As boxes and as two sheets of a mesh.
+#[test]
+fn thin_slabs_are_entered_and_left() {
+    let mut rng = Pcg::new(35);
+    let mut crossed = 0;
+    for case in 0..600 {
+        let thickness = [1e-5, 1e-4, 1e-2, 1.0, 1e2][case % 5];
+        let wide = if thickness < 1e-3 { 1.0 } else { 10f64.max(thickness) };
+        let half = DVec3::new(wide, thickness * 0.5, wide);
+        let turn = DMat3::from_quat(glam::DQuat::from_scaled_axis(in_cube(&mut rng) * 3.0));
+        let place = in_cube(&mut rng) * if thickness < 1e-3 { 1.0 } else { 100.0 };
+        let map = DAffine3::from_mat3_translation(turn, place);
+        let geometry = if case % 2 == 0 {
+            let shape = Shape::placed(Solid::Box { min: -half, max: half }, map);
+            Geometry::build(vec![GeomObject::new(shape, 0)], Vec::new())
+        } else {
+            let mut mesh = MeshData::default();
+            for (y, order) in [(half.y, [0, 2, 1]), (-half.y, [0, 1, 2])] {
+                let first = mesh.positions.len() as u32;
+                for (x, z) in [(-wide, -wide), (wide, -wide), (-wide, wide), (wide, wide)] {
+                    mesh.positions.push(DVec3::new(x, y, z).as_vec3());
+                }
+                mesh.triangles.push(order.map(|i| first + i));
+                mesh.triangles.push(order.map(|i| first + 3 - i));
+            }
+            single(mesh, map)
+        };
+        for _ in 0..20 {
+            let mut above =
+                |y: f64| map.transform_point3(DVec3::new(signed(&mut rng), y, signed(&mut rng)) * (0.3 * wide));
+            let (target, start) = (above(0.0), above(1.0 + 2.0 * thickness / wide));
+            let ray = Ray::new(start.as_vec3(), (target - start).normalize().as_vec3());
+            let first = geometry.closest(&ray).expect("aimed at it");
+            let near = geometry.surface(&ray, &first);
+            assert!(near.ng.dot(ray.dir) < 0.0, "{near:?}");
+            let inside = leave(&near, ray.dir);
+            let second = geometry.closest(&inside);
+            let second = second.unwrap_or_else(|| panic!("no far side: {thickness} thick, {inside:?}"));
+            let far = geometry.surface(&inside, &second);
+            assert!(far.ng.dot(ray.dir) > 0.0, "{thickness} thick: {far:?}");
+            assert!(geometry.closest(&leave(&far, ray.dir)).is_none());
+            // Through and through: the thickness over the cosine, but for the roundings of both points, some 20 each.
+            let cos = f64::from(-near.ng.dot(ray.dir));
+            let way = (far.p - near.p).as_dvec3().length();
+            let rounding = 40.0 * f64::from(f32::EPSILON) * (near.p.as_dvec3().length() + wide) / cos;
+            assert!(
+                (way - thickness / cos).abs() <= rounding,
+                "{way} through {thickness}, cosine {cos}"
+            );
+            crossed += 1;
+        }
+    }
+    assert_eq!(crossed, 12_000);
+}
+
+fn leave(s: &Surface, w: Vec3) -> Ray {
+    Ray {
+        from: s.prim,
+        ..Ray::new(offset_origin(s.p, s.p_error, s.ng, w), w)
+    }
+}
+
+/// Triangles down to the smallest numbers: their normals are exact and they are hit, none is taken for empty.
+#[test]
+fn triangles_of_any_smallness_have_a_normal_and_are_hit() {
+    let mut rng = Pcg::new(36);
+    for exponent in [-5, -10, -15, -20, -30, -36] {
+        for _ in 0..200 {
+            let size = 10f64.powi(exponent);
+            let corners = [0; 3].map(|_| (in_cube(&mut rng) * size).as_vec3());
+            let mesh = MeshData {
+                positions: corners.to_vec(),
+                triangles: vec![[0, 1, 2]],
+                ..MeshData::default()
+            };
+            let [a, b, c] = corners.map(|v| Exact3::new(v.as_dvec3()));
+            let n = (b - a).cross(c - a);
+            let n = n.scaled(Dd::new(1.0) / n.dot(n).sqrt()).value();
+            let middle = (a + b + c).scaled(Dd::new(1.0) / Dd::new(3.0)).value();
+            let geometry = single(mesh, DAffine3::IDENTITY);
+            let ray = Ray::new((middle + n * size).as_vec3(), (n * -size).as_vec3());
+            let hit = geometry.closest(&ray).expect("aimed at its middle");
+            let s = geometry.surface(&ray, &hit);
+            let off = (s.ng.as_dvec3() - n).abs().max_element();
+            assert!(
+                off <= 4.0 * f64::from(UNIT_ROUNDOFF),
+                "10^{exponent}: {} instead of {n}",
+                s.ng
+            );
+        }
+    }
 }

@@ -97,7 +97,7 @@ fn spheres_of_every_size_and_distance_match_double_double() {
     let mut rng = Pcg::new(1);
     let mut hits = 0;
     let mut cases = 0;
-    for radius in [1e-20, 1e-12, 1e-5, 1e-3, 1.0, 1e3, 1e5, 1e7, 1e12, 1e18] {
+    for radius in [1e-20, 1e-12, 1e-5, 1e-3, 1.0, 1e3, 1e5, 1e7, 1e12, 1e20] {
         for gap in [-1.0, -0.5, -1e-3, -1e-6, 1e-6, 1e-3, 1.0, 1e2, 1e4, 1e6, 1e8] {
             for i in 0..200 {
                 // The start first, rounded to f32; then the sphere around it in f64.
@@ -152,7 +152,7 @@ fn walls_that_are_huge_spheres_stand_to_two_roundings() {
 #[test]
 fn touching_rays_are_finite_and_right_outside_the_last_digits() {
     let mut rng = Pcg::new(3);
-    for radius in [1e-20, 1e-3, 1.0, 1e7, 1e18] {
+    for radius in [1e-20, 1e-3, 1.0, 1e7, 1e20] {
         for i in 0..3000 {
             let d = direction(&mut rng);
             let aside = d.as_dvec3().cross(direction(&mut rng).as_dvec3()).normalize();
