@@ -137,6 +137,12 @@ impl Geometry {
         self.meshes.get(*mesh as usize)?.corners(prim.prim)
     }
 
+    /// The nearest hit without any box.
+    #[cfg(test)]
+    pub(crate) fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
+        self.tree.closest_by_force(ray, self.corners(ray.to))
+    }
+
     /// The objects, as given.
     pub fn objects(&self) -> &[GeomObject] {
         &self.objects
@@ -156,6 +162,17 @@ impl Geometry {
     /// World box of everything bounded, rounded outward; `None` if there is nothing (planes are unbounded).
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         self.tree.bounds().map(|b| (b.min, b.max))
+    }
+
+    /// World box of one object, rounded outward; `None` if it is unbounded or not there.
+    pub fn bounds_of(&self, object: u32) -> Option<(Vec3, Vec3)> {
+        let bounds = self.tree.bounds_of(&self.objects.get(object as usize)?.shape);
+        (!bounds.is_empty()).then_some((bounds.min, bounds.max))
+    }
+
+    /// Whether a ray towards a primitive (`ray.to`) meets that.
+    pub fn reaches(&self, ray: &Ray) -> bool {
+        self.tree.reaches(ray, self.corners(ray.to))
     }
 
     /// World corners of a mesh triangle; `None` for everything else.

@@ -26,6 +26,8 @@ pub struct Candidates {
     shift: f64,
     /// What stands at the end of the ray, where that is known: nothing is found as long as it is the nearest.
     end: PrimRef,
+    /// From here on what belongs to the same object as the end is its neighbour in the same surface and does not count.
+    spared_from: f64,
 }
 
 /// t as candidates compare it: rounded to 40 bits. What lies in one place has one t then, whatever formula it comes
@@ -51,12 +53,15 @@ impl Candidates {
             to: u32::MAX,
             shift: 0.0,
             end: PrimRef::NONE,
+            spared_from: f64::INFINITY,
         }
     }
 
-    /// Takes what was found as the end of the ray: from now on only what hides it is found.
-    pub fn end_here(&mut self) {
+    /// Takes what was found as the end of the ray: from now on only what hides it is found. Of the object it belongs to
+    /// only what is nearer by more than `room`.
+    pub fn end_here(&mut self, room: f64) {
         self.end = self.prim;
+        self.spared_from = self.exact - room;
     }
 
     /// Names the object whose intersections come next.
@@ -99,6 +104,9 @@ impl Candidates {
         };
         let exact = comparable(t);
         if t > 0.0 && face != self.to && (exact < self.exact || (exact == self.exact && prim < self.prim)) {
+            if self.object == self.end.object && exact >= self.spared_from {
+                return;
+            }
             self.exact = exact;
             self.t = (exact - self.shift) as f32;
             self.prim = prim;
@@ -142,17 +150,19 @@ mod tests {
         let mut end = Candidates::new(&ray);
         end.enter(5, &ray);
         end.offer(2.0, 0);
-        end.end_here();
-        for (object, t, hides) in [
+        end.end_here(0.01);
+        let cases = [
             (7, 2.0, false),
             (3, 2.0, true),
             (7, 1.999, true),
             (3, 2.001, false),
-            (5, 2.0, false),
-        ] {
+            (5, 1.999, false),
+            (5, 1.98, true),
+        ];
+        for (object, t, hides) in cases {
             let mut found = end;
             found.enter(object, &ray);
-            found.offer(t, 0);
+            found.offer(t, 1);
             assert_eq!(found.found(), hides, "{object} at {t}");
         }
     }
