@@ -320,8 +320,8 @@ impl SceneTree {
 
     /// The nearest hit without any box.
     #[cfg(test)]
-    pub fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
-        let mut found = Candidates::new(ray);
+    pub fn closest_by_force(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> Option<Hit> {
+        let mut found = self.start(ray, corners);
         for object in 0..self.targets.len() as u32 {
             if self.visibility[object as usize] & ray.mask == 0 {
                 continue;

@@ -22,6 +22,8 @@ pub struct Candidates {
     pub from: u32,
     /// Face of that object that does not block, or `u32::MAX`.
     pub to: u32,
+    /// Faces of that object at this t or beyond do not block.
+    limit: f64,
     /// Where the boxes that are being walked take the ray to start.
     shift: f64,
     /// What stands at the end of the ray, where that is known: nothing is found as long as it is the nearest.
@@ -49,6 +51,7 @@ impl Candidates {
             object: u32::MAX,
             from: u32::MAX,
             to: u32::MAX,
+            limit: f64::INFINITY,
             shift: 0.0,
             end: PrimRef::NONE,
         }
@@ -59,7 +62,8 @@ impl Candidates {
         self.end = self.prim;
     }
 
-    /// Names the object whose intersections come next.
+    /// Names the object whose intersections come next. Faces of the one that the ray goes to count up to its `t_max` only:
+    /// between there and the place aimed at, neighbours of the same surface are met by rounding alone.
     #[inline(always)]
     pub fn enter(&mut self, object: u32, ray: &Ray) {
         self.object = object;
@@ -68,7 +72,11 @@ impl Candidates {
         } else {
             u32::MAX
         };
-        self.to = if ray.to.object == object { ray.to.prim } else { u32::MAX };
+        (self.to, self.limit) = if ray.to.object == object {
+            (ray.to.prim, f64::from(ray.t_max))
+        } else {
+            (u32::MAX, f64::INFINITY)
+        };
     }
 
     /// Lets boxes count t from `shift` on.
@@ -98,7 +106,11 @@ impl Candidates {
             prim: face,
         };
         let exact = comparable(t);
-        if t > 0.0 && face != self.to && (exact < self.exact || (exact == self.exact && prim < self.prim)) {
+        if t > 0.0
+            && t < self.limit
+            && face != self.to
+            && (exact < self.exact || (exact == self.exact && prim < self.prim))
+        {
             self.exact = exact;
             self.t = (exact - self.shift) as f32;
             self.prim = prim;
@@ -154,6 +166,28 @@ mod tests {
             found.enter(object, &ray);
             found.offer(t, 0);
             assert_eq!(found.found(), hides, "{object} at {t}");
+        }
+    }
+
+    #[test]
+    fn faces_of_the_lamp_itself_block_only_well_before_its_end() {
+        let mut ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        ray.to = PrimRef { object: 5, prim: 0 };
+        ray.t_max = 1.9;
+        let mut end = Candidates::new(&Ray::new(Vec3::ZERO, Vec3::Z));
+        end.enter(5, &Ray::new(Vec3::ZERO, Vec3::Z));
+        end.offer(2.0, 0);
+        end.end_here();
+        for (object, face, t, hides) in [
+            (5, 1, 1.8, true),
+            (5, 1, 1.95, false),
+            (5, 0, 1.0, false),
+            (6, 1, 1.95, true),
+        ] {
+            let mut found = end;
+            found.enter(object, &ray);
+            found.offer(t, face);
+            assert_eq!(found.found(), hides, "{object}, {face} at {t}");
         }
     }
 }

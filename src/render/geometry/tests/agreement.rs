@@ -21,7 +21,7 @@ fn agrees_with_brute_force(geometry: &mut Geometry, seed: u64, rays: usize, reac
         if i % 4 == 0 {
             ray.dir[i / 4 % 3] = 0.0;
         }
-        let want = geometry.tree.closest_by_force(&ray);
+        let want = geometry.closest_by_force(&ray);
         for instructions in [Instructions::Baseline, Instructions::detect()] {
             geometry.use_instructions(instructions);
             assert_eq!(geometry.closest(&ray), want, "{instructions:?}, ray {i}: {ray:?}");
@@ -45,7 +45,7 @@ fn agrees_with_brute_force(geometry: &mut Geometry, seed: u64, rays: usize, reac
                 object: rng.next_u32() % 16,
                 prim: rng.next_u32() % 4,
             };
-            let want = geometry.tree.closest_by_force(&next);
+            let want = geometry.closest_by_force(&next);
             assert_eq!(geometry.closest(&next), want, "{next:?}");
             assert_eq!(geometry.occluded(&next), want.is_some(), "{next:?}");
         }
@@ -118,7 +118,7 @@ fn trees_agree_with_brute_force_over_forty_orders_of_magnitude() {
         let size = 10f64.powi(i % 40 - 20);
         let mut ray = random_ray(&mut rng, size);
         ray.mask = 7;
-        let want = geometry.tree.closest_by_force(&ray);
+        let want = geometry.closest_by_force(&ray);
         assert_eq!(geometry.closest(&ray), want, "{ray:?}");
         hits += usize::from(want.is_some());
     }
