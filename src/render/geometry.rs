@@ -129,6 +129,12 @@ impl Geometry {
         self.tree.occluded(ray, self.corners(ray.to))
     }
 
+    /// The nearest hit, found without any box.
+    #[cfg(test)]
+    fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
+        self.tree.closest_by_force(ray, self.corners(ray.to))
+    }
+
     /// Corners of a mesh triangle in the mesh's own unit; `None` for everything else.
     fn corners(&self, prim: PrimRef) -> Option<[Vec3; 3]> {
         let Shape::Mesh { mesh, .. } = &self.objects.get(prim.object as usize)?.shape else {

@@ -163,6 +163,7 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
                         let ray = Ray {
                             t_max: aim.t_max - (origin - p).length() * aim.slant,
                             to: aim.to,
+                            dir_low: aim.wi_low,
                             mask: ray_mask::SHADOW,
                             ..Ray::new(origin, aim.wi)
                         };
@@ -226,6 +227,7 @@ fn a_box_lamp_does_not_shade_its_own_faces() {
                         let ray = Ray {
                             t_max: aim.t_max,
                             to: aim.to,
+                            dir_low: aim.wi_low,
                             mask: ray_mask::SHADOW,
                             ..Ray::new(p, aim.wi)
                         };
@@ -275,6 +277,7 @@ fn what_is_close_before_a_lamp_still_blocks() {
             let ray = Ray {
                 t_max: aim.t_max,
                 to: aim.to,
+                dir_low: aim.wi_low,
                 mask: ray_mask::SHADOW,
                 ..Ray::new(p, aim.wi)
             };
