@@ -21,7 +21,10 @@ fn assert_floor(defines: &[(&str, &str)], irradiance: impl Fn(DVec3) -> f64) {
     assert!(verdict.agree(), "{defines:?}: {verdict}");
     let level: f64 = found.mean.iter().map(|m| m[1]).sum();
     let noise: f64 = found.variance.iter().map(|v| v[1].sqrt()).sum();
-    assert!(level > 0.0 && noise < 0.03 * level, "{defines:?}: noise {noise} in {level}");
+    assert!(
+        level > 0.0 && noise < 0.03 * level,
+        "{defines:?}: noise {noise} in {level}"
+    );
 }
 
 /// Irradiance on a floor from the part of a ball of radius 1 above it; `to` is the way to its centre. Over the azimuth φ
@@ -39,7 +42,11 @@ fn above_the_floor(to: DVec3) -> f64 {
         }
         let (middle, half) = (a.atan2(b), (cos_ball / reach).acos());
         let (low, high) = ((middle - half).max(0.0), (middle + half).min(FRAC_PI_2));
-        if high > low { 0.5 * (high.sin().powi(2) - low.sin().powi(2)) } else { 0.0 }
+        if high > low {
+            0.5 * (high.sin().powi(2) - low.sin().powi(2))
+        } else {
+            0.0
+        }
     };
     let step = 2.0 * PI / f64::from(STEPS);
     (0..STEPS).map(|i| slice((f64::from(i) + 0.5) * step - PI) * step).sum()
@@ -55,7 +62,10 @@ fn a_ball_that_touches_the_floor_lights_it() {
         PI / (1.0 + x2).powf(1.5)
     };
     for p in [DVec3::ZERO, DVec3::new(-1.0, 0.0, 0.3), DVec3::new(0.9, 0.0, -1.0)] {
-        assert!((above_the_floor(center - p) / resting(p) - 1.0).abs() < 1e-4, "the quadrature is off at {p}");
+        assert!(
+            (above_the_floor(center - p) / resting(p) - 1.0).abs() < 1e-4,
+            "the quadrature is off at {p}"
+        );
     }
     for size in ["1", "1e-4", "1e4"] {
         assert_floor(&[("S", size)], resting);
@@ -99,7 +109,9 @@ fn no_shadow_ray_to_an_extreme_light_is_lost() {
             let camera_ray = scene.camera.ray(rng.next_f64() - 0.5, rng.next_f64() - 0.5, Vec2::ZERO);
             let hit = scene.geometry.closest(&camera_ray).expect("the floor");
             let surface = scene.geometry.surface(&camera_ray, &hit);
-            let light = scene.lights.sample(surface.p, surface.ng, false, rng.next_f32(), rng.next_vec2());
+            let light = scene
+                .lights
+                .sample(surface.p, surface.ng, false, rng.next_f32(), rng.next_vec2());
             let Some(light) = light.filter(|l| l.wi.dot(surface.ng) > 0.0) else {
                 continue;
             };
@@ -113,6 +125,9 @@ fn no_shadow_ray_to_an_extreme_light_is_lost() {
                 mask: ray_mask::SHADOW,
             }));
         }
-        assert!(aimed > 10_000 && lost == 0, "light {which}: {lost} of {aimed} shadow rays are lost");
+        assert!(
+            aimed > 10_000 && lost == 0,
+            "light {which}: {lost} of {aimed} shadow rays are lost"
+        );
     }
 }

@@ -34,7 +34,12 @@ fn a_lens_of_no_size_is_no_lens() {
 fn a_lens_focused_at_infinity_blurs_by_its_own_width() {
     for focus in ["1e9", "1e20", "1e300"] {
         let (size, a, d) = (96u32, 0.25f64, 8.0);
-        let image = estimate_of("tests/hard/lens/spot.pts", &[("A", "0.25"), ("F", focus)], [size, size], 1024);
+        let image = estimate_of(
+            "tests/hard/lens/spot.pts",
+            &[("A", "0.25"), ("F", focus)],
+            [size, size],
+            1024,
+        );
         let half_width = f64::tan(10f64.to_radians());
         let (mut weight, mut moment) = (0.0, 0.0);
         for (i, rgb) in image.mean.iter().enumerate() {
@@ -45,7 +50,10 @@ fn a_lens_focused_at_infinity_blurs_by_its_own_width() {
         }
         let radius = (2.0 * moment / weight).sqrt();
         let exact = a.hypot(0.02) / d;
-        assert!((radius / exact - 1.0).abs() < 0.02, "focus {focus}: radius {radius}, expected {exact}");
+        assert!(
+            (radius / exact - 1.0).abs() < 0.02,
+            "focus {focus}: radius {radius}, expected {exact}"
+        );
     }
 }
 
@@ -78,7 +86,10 @@ fn roulette_keeps_every_channel_of_a_coloured_room() {
     let scene = ready("tests/hard/furnace/coloured.pts", &[], [16, 16]);
     for roulette in [Roulette::Throughput, Roulette::Late] {
         let mut settings = settings([16, 16], 1024, 1);
-        settings.technique = Technique { roulette, ..Technique::default() };
+        settings.technique = Technique {
+            roulette,
+            ..Technique::default()
+        };
         let found = scene.shoot(&settings).estimate.region(WHOLE);
         found.assert_near([10.0, 2.0, 1.0 / 0.99], 0.01, 5.0, &format!("{roulette:?}"));
     }
@@ -105,7 +116,11 @@ fn radiance_keeps_its_range_into_the_file() {
         for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
             let off = (f64::from(rgb[c]) / f64::from(exact) - 1.0).abs();
             assert!(off <= 2f64.powi(-23), "band {band}: {} instead of {exact}", rgb[c]);
-            assert_eq!(planes.channel(name)[i].to_bits(), rgb[c].to_bits(), "band {band} in the file");
+            assert_eq!(
+                planes.channel(name)[i].to_bits(),
+                rgb[c].to_bits(),
+                "band {band} in the file"
+            );
         }
     }
 }

@@ -36,7 +36,10 @@ fn absorption_without_a_boundary_has_no_noise() {
         // The distance and its product with σ have four roundings, which count σ times; the exponential two.
         let u = 2f64.powi(-24);
         let allowed = exact * u * (4.0 * -exact.ln() + 4.0);
-        assert!((found - exact).abs() <= allowed, "absorption {sigma}: {found}, exactly {exact}");
+        assert!(
+            (found - exact).abs() <= allowed,
+            "absorption {sigma}: {found}, exactly {exact}"
+        );
     }
     for sigma in ["1e3", "1e6", "1e33", "1e38"] {
         assert_eq!(inside(&[("Sigma", sigma)], 16).mean, [0.0; 3], "absorption {sigma}");
@@ -63,7 +66,10 @@ fn light_samples_are_dimmed_on_their_way() {
         let s: f64 = sigma.parse().expect("a number");
         let exact = 0.5 * 1e6 * (0.001f64 / 1.5).powi(2) * (-s * (1.5 - 0.001 + 1.0)).exp();
         for direct in [Direct::Mis, Direct::Light] {
-            let technique = Technique { direct, ..Technique::default() };
+            let technique = Technique {
+                direct,
+                ..Technique::default()
+            };
             let settings = pts::render::settings::Settings {
                 technique: technique.clone(),
                 ..crate::support::scenes::settings([8, 8], 256, 1)
