@@ -71,7 +71,7 @@ fn light_samples_are_dimmed_on_their_way() {
                 ..Technique::default()
             };
             let settings = pts::render::settings::Settings {
-                technique: technique.clone(),
+                technique,
                 ..crate::support::scenes::settings([8, 8], 256, 1)
             };
             let scene = ready("tests/hard/media/lamp.pts", &[("Sigma", sigma)], [8, 8]);
