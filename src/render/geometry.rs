@@ -131,7 +131,7 @@ impl Geometry {
 
     /// The nearest hit, found without any box.
     #[cfg(test)]
-    fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
+    pub(crate) fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
         self.tree.closest_by_force(ray, self.corners(ray.to))
     }
 
@@ -141,12 +141,6 @@ impl Geometry {
             return None;
         };
         self.meshes.get(*mesh as usize)?.corners(prim.prim)
-    }
-
-    /// The nearest hit without any box.
-    #[cfg(test)]
-    pub(crate) fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
-        self.tree.closest_by_force(ray, self.corners(ray.to))
     }
 
     /// The objects, as given.
