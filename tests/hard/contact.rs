@@ -121,10 +121,12 @@ fn no_shadow_ray_to_an_extreme_light_is_lost() {
                 continue;
             };
             aimed += 1;
+            let origin = offset_origin(surface.p, surface.p_error, surface.ng, light.wi);
             lost += u32::from(scene.geometry.occluded(&Ray {
-                origin: offset_origin(surface.p, surface.p_error, surface.ng, light.wi),
+                origin,
                 dir: light.wi,
-                t_max: light.t_max,
+                dir_low: light.wi_low,
+                t_max: light.t_max - (origin - surface.p).length() * light.slant,
                 from: surface.prim,
                 to: light.to,
                 mask: ray_mask::SHADOW,

@@ -5,7 +5,7 @@ use crate::support::images::read_planes;
 use crate::support::scenes::{Ready, bits, estimate_of, ready, settings};
 use pts::output::{Develop, Layers, write};
 use pts::render::driver;
-use pts::render::report::Silent;
+use pts::render::report::{Anomaly, Silent};
 use std::path::Path;
 
 fn picture(scene: &Ready) -> Vec<[u32; 3]> {
@@ -130,7 +130,12 @@ fn radiance_keeps_its_range_into_the_file() {
 fn radiance_beyond_f32_is_counted() {
     let scene = ready("tests/hard/film/overflow.pts", &[], [8, 8]);
     let (picture, report) = driver::render(&scene.compiled, &settings([8, 8], 16, 1), &Silent);
-    assert_eq!(report.anomalies.non_finite, 8 * 4 * 16, "{:?}", report.anomalies);
+    assert_eq!(
+        report.anomalies.of(Anomaly::NonFinite),
+        8 * 4 * 16,
+        "{:?}",
+        report.anomalies
+    );
     for (i, rgb) in picture.rgb.iter().enumerate() {
         let exact = if i % 8 < 4 { 1.0 } else { 0.0 };
         assert_eq!(*rgb, [exact; 3], "pixel {i}");
