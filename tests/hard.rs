@@ -19,6 +19,8 @@ mod lamps;
 mod media;
 #[path = "hard/oblique.rs"]
 mod oblique;
+#[path = "hard/one_place.rs"]
+mod one_place;
 
 use pts::render::settings::Settings;
 use support::estimate::WHOLE;

@@ -123,6 +123,11 @@ impl Geometry {
         self.tree.closest(ray, self.corners(ray.to))
     }
 
+    /// The nearest hit that is not `ray.to`, whether or not that is behind it.
+    pub fn closest_other(&self, ray: &Ray) -> Option<Hit> {
+        self.tree.closest_other(ray)
+    }
+
     /// Whether anything lies on the ray with 0 < t < `t_max`.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {

@@ -24,6 +24,7 @@ use super::settings::Settings;
 use super::surface::{Attributes, Surface};
 use super::technique::{Direct, Roulette, SamplerKind};
 use crate::math::robust::offset_origin;
+use contact::contact;
 use fold::Sides;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -132,7 +133,7 @@ impl<'a> Kernel<'a> {
             direct: technique.direct,
             roulette_from: match technique.roulette {
                 Roulette::Throughput => roulette::FROM,
-                Roulette::Late => roulette::LATE_FROM,
+                Roulette::Late => roulette::ALWAYS_FROM,
             },
             clamp: technique.clamp.unwrap_or(f32::INFINITY),
             caustics: technique.caustics,
@@ -235,8 +236,8 @@ impl<'a> Kernel<'a> {
             };
             let wo = -ray.dir;
             let front = wo.dot(surface.ng) >= 0.0;
-            let contact = match material.interior && scene.traits.solids_touch {
-                true => self.contact(&ray, &surface, front),
+            let contact = match material.interior {
+                true => contact(scene, &ray, &surface, front),
                 false => None,
             };
             let outer_ior = match contact {

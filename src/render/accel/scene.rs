@@ -199,6 +199,11 @@ impl SceneTree {
         self.dispatch::<false>(ray, self.start(ray, corners)).hit()
     }
 
+    /// The nearest hit but for `ray.to`, where the ray does not end.
+    pub fn closest_other(&self, ray: &Ray) -> Option<Hit> {
+        self.dispatch::<false>(ray, Candidates::new(ray)).hit()
+    }
+
     /// Whether anything blocks the ray.
     #[inline(always)]
     pub fn occluded(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> bool {

@@ -1,5 +1,6 @@
 //! Light samples: what they add, and what stands in their way.
 
+use super::contact::contact;
 use super::fold::Sides;
 use super::{Kernel, MIRROR_LIKE, MOST_PASSES, NO_ATTRIBUTES, PathStats, Way, go_on};
 use crate::math::robust::offset_origin;
@@ -125,7 +126,11 @@ impl Kernel<'_> {
                 return left;
             }
             if material.interior && alpha > 0.0 {
-                let is_known = media.cross(surface.prim.object, cos < 0.0, material);
+                let front = cos < 0.0;
+                let mut is_known = media.cross(surface.prim.object, front, material);
+                if let Some(other) = contact(self.scene, &ray, &surface, front) {
+                    is_known &= media.cross(other.object, !front, other.material);
+                }
                 stats.anomalies.count(Anomaly::StackOverflow, u64::from(!is_known));
             }
             rest -= hit.t;

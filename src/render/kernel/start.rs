@@ -1,6 +1,8 @@
 //! Where paths start: the solids around the camera.
 
+use super::contact::contact;
 use super::{MOST_PASSES, go_on};
+use crate::render::material::Material;
 use crate::render::medium::MediumStack;
 use crate::render::ray::Ray;
 use crate::render::scene::CompiledScene;
@@ -23,13 +25,19 @@ pub(super) fn media_around_camera(scene: &CompiledScene) -> MediumStack {
         let surface = scene.geometry.surface(&ray, &hit);
         let material = &scene.materials[surface.material as usize];
         if material.interior {
-            let object = surface.prim.object;
-            if dir.dot(surface.ng) < 0.0 {
-                open.push(object);
-            } else if let Some(i) = open.iter().rposition(|&o| o == object) {
-                open.remove(i);
-            } else {
-                left_from_inside.push((object, material.ior, material.absorption));
+            let mut pass = |object: u32, front: bool, material: &Material| {
+                if front {
+                    open.push(object);
+                } else if let Some(i) = open.iter().rposition(|&o| o == object) {
+                    open.remove(i);
+                } else {
+                    left_from_inside.push((object, material.ior, material.absorption));
+                }
+            };
+            let front = dir.dot(surface.ng) < 0.0;
+            pass(surface.prim.object, front, material);
+            if let Some(other) = contact(scene, &ray, &surface, front) {
+                pass(other.object, !front, other.material);
             }
         }
         ray = go_on(&ray, &surface);
