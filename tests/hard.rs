@@ -5,12 +5,18 @@ mod support;
 
 #[path = "hard/catalogue.rs"]
 mod catalogue;
+#[path = "hard/contact.rs"]
+mod contact;
 #[path = "hard/everywhere.rs"]
 mod everywhere;
+#[path = "hard/extremes.rs"]
+mod extremes;
 #[path = "hard/invariance.rs"]
 mod invariance;
 #[path = "hard/lamps.rs"]
 mod lamps;
+#[path = "hard/media.rs"]
+mod media;
 #[path = "hard/oblique.rs"]
 mod oblique;
 

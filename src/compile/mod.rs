@@ -11,6 +11,7 @@ mod images;
 mod lights;
 mod materials;
 mod objects;
+pub mod unused;
 
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::files::Files;
@@ -21,6 +22,7 @@ use crate::render::scene::{CompiledScene, SceneTraits};
 use crate::render::technique::Technique;
 use crate::render::texture::Textures;
 use crate::scene::{MaterialId, Place, Scene, Shape};
+use glam::Vec3;
 
 /// Makes a scene ready to render at this size by the default technique. `None` if there are errors. Images are read
 /// through `files`, only those that something visible uses.
@@ -90,6 +92,7 @@ pub fn compile_with(
         see_through: materials.iter().any(is_see_through),
         lamp_through_glass: lights.has_delta() && materials.iter().any(|m| m.interior),
         solids: materials.iter().any(|m| m.interior),
+        solids_touch: solids_touch(&geometry, &materials),
     };
     Some(CompiledScene {
         origin,
@@ -104,6 +107,22 @@ pub fn compile_with(
         backdrop,
         traits,
     })
+}
+
+/// Whether the boxes of two solids that refract or absorb meet; assumed of very many, and of planes.
+fn solids_touch(geometry: &Geometry, materials: &[Material]) -> bool {
+    const MOST: usize = 512;
+    let is_solid = |m: &u32| materials.get(*m as usize).is_some_and(|m| m.interior);
+    let solids = (0u32..)
+        .zip(geometry.objects())
+        .filter(|(_, o)| o.materials.iter().any(is_solid));
+    let boxes: Vec<_> = solids.map(|(i, _)| geometry.bounds_of(i)).collect();
+    let meet = |a: &Option<(Vec3, Vec3)>, b: &Option<(Vec3, Vec3)>| match (a, b) {
+        (Some(a), Some(b)) => a.0.cmple(b.1).all() && b.0.cmple(a.1).all(),
+        _ => true,
+    };
+    let pairs = || (1..boxes.len()).flat_map(|i| (0..i).map(move |k| (i, k)));
+    boxes.len() > MOST || pairs().any(|(i, k)| meet(&boxes[i], &boxes[k]))
 }
 
 /// The materials a leaf may show.

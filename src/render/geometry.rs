@@ -131,7 +131,7 @@ impl Geometry {
 
     /// The nearest hit, found without any box.
     #[cfg(test)]
-    fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
+    pub(crate) fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
         self.tree.closest_by_force(ray, self.corners(ray.to))
     }
 
@@ -153,9 +153,26 @@ impl Geometry {
         &self.meshes
     }
 
+    /// Memory that meshes and their trees take.
+    pub fn bytes(&self) -> u64 {
+        let data = self.meshes.iter().map(MeshData::bytes).sum::<usize>();
+        (data + self.tree.mesh_bytes()) as u64
+    }
+
     /// World box of everything bounded, rounded outward; `None` if there is nothing (planes are unbounded).
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         self.tree.bounds().map(|b| (b.min, b.max))
+    }
+
+    /// World box of one object, rounded outward; `None` if it is unbounded or not there.
+    pub fn bounds_of(&self, object: u32) -> Option<(Vec3, Vec3)> {
+        let bounds = self.tree.bounds_of(&self.objects.get(object as usize)?.shape);
+        (!bounds.is_empty()).then_some((bounds.min, bounds.max))
+    }
+
+    /// Whether a ray towards a primitive (`ray.to`) meets that.
+    pub fn reaches(&self, ray: &Ray) -> bool {
+        self.tree.reaches(ray, self.corners(ray.to))
     }
 
     /// World corners of a mesh triangle; `None` for everything else.
@@ -174,6 +191,16 @@ impl Geometry {
 }
 
 impl MeshData {
+    fn bytes(&self) -> usize {
+        let uvs: usize = self.uvs.iter().map(|set| size_of_val(&set[..])).sum();
+        uvs + size_of_val(&self.positions[..])
+            + size_of_val(&self.normals[..])
+            + size_of_val(&self.tangents[..])
+            + size_of_val(&self.colors[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.face_materials[..])
+    }
+
     /// The corners of a triangle, if it exists.
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         self.by_corner(&self.positions, triangle)

@@ -4,6 +4,7 @@
 //! one scattered direction, roulette. A pass-through (coverage, straight transmission) does not count as a
 //! bounce: the path goes on as if the surface were not there, and light sampling looks through it as well.
 
+mod contact;
 mod direct;
 mod fold;
 mod roulette;
@@ -131,7 +132,7 @@ impl<'a> Kernel<'a> {
             direct: technique.direct,
             roulette_from: match technique.roulette {
                 Roulette::Throughput => roulette::FROM,
-                Roulette::Late => roulette::ALWAYS_FROM,
+                Roulette::Late => roulette::LATE_FROM,
             },
             clamp: technique.clamp.unwrap_or(f32::INFINITY),
             caustics: technique.caustics,
@@ -234,10 +235,14 @@ impl<'a> Kernel<'a> {
             };
             let wo = -ray.dir;
             let front = wo.dot(surface.ng) >= 0.0;
-            let outer_ior = if scene.traits.solids {
-                media.ior_around(surface.prim.object)
-            } else {
-                1.0
+            let contact = match material.interior && scene.traits.solids_touch {
+                true => self.contact(&ray, &surface, front),
+                false => None,
+            };
+            let outer_ior = match contact {
+                Some(next) if !front => next.material.ior,
+                _ if scene.traits.solids => media.ior_around(surface.prim.object),
+                _ => 1.0,
             };
             let shading = self.shading(attributes, outer_ior);
             if material.alpha != Alpha::Opaque {
@@ -327,7 +332,11 @@ impl<'a> Kernel<'a> {
             };
             throughput *= s.weight * (s.eta * s.eta);
             if crosses && material.interior {
-                if !media.cross(surface.prim.object, front, material) {
+                let mut is_known = media.cross(surface.prim.object, front, material);
+                if let Some(other) = contact {
+                    is_known &= media.cross(other.object, !front, other.material);
+                }
+                if !is_known {
                     stats.anomalies.count(Anomaly::StackOverflow, 1);
                     return out;
                 }

@@ -36,4 +36,6 @@ pub struct SceneTraits {
     pub lamp_through_glass: bool,
     /// Some solid refracts or absorbs: paths keep track of what they are inside of.
     pub solids: bool,
+    /// Some of them may touch, by their boxes: where one ends another may begin.
+    pub solids_touch: bool,
 }

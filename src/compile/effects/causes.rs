@@ -4,7 +4,7 @@
 //! that calls for an effect is a cause of it, so that a scene without any of the causes does not have the effect; a
 //! match over all surface models makes sure that no new one is forgotten.
 
-use super::leave_out::{has_lobe, passes};
+use super::leave_out::{has_coat, passes};
 use super::{Effect, Effect::*, image_inputs};
 use crate::render::technique::{LightPick, Technique};
 use crate::scene::{
@@ -186,7 +186,10 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
         } => {
             absorption(true);
             let rough = if roughness.factor > 0.0 { "rough glass" } else { "glass" };
-            add(Glass, format!("{rough} of ior {ior}"));
+            // By itself an index of 1 bends nothing.
+            if *ior != 1.0 {
+                add(Glass, format!("{rough} of ior {ior}"));
+            }
             if let Some(v) = abbe.filter(|_| *ior != 1.0) {
                 add(Dispersion, format!("Abbe number {v}"));
             }
@@ -212,7 +215,7 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
             if f.reflection.is_some_and(|r| r.max.max(r.min).max_element() > 0.0) {
                 add(Specular, "reflection".to_owned());
             }
-            match f.ior.filter(|_| passes(f)) {
+            match f.ior.filter(|ior| *ior != 1.0 && passes(f)) {
                 Some(ior) => add(Glass, format!("transparent, ior {ior}")),
                 None if passes(f) => add(Alpha, "transparent without ior".to_owned()),
                 None => {}
@@ -235,10 +238,15 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
 }
 
 fn of_principled(p: &Principled, add: &mut dyn FnMut(Effect, String)) {
-    if has_lobe(p) || p.clearcoat.factor > 0.0 || p.sheen_color.factor.max_element() > 0.0 {
+    let is_rough_metal = p.metallic.factor > 0.0 && p.roughness.factor > 0.0;
+    let is_layered = p.clearcoat.factor > 0.0 || p.sheen_color.factor.max_element() > 0.0;
+    if has_coat(p) || is_rough_metal || is_layered {
         add(Glossy, format!("principled, roughness {}", p.roughness.factor));
     }
-    if p.transmission.factor > 0.0 {
+    if p.metallic.factor > 0.0 && !is_rough_metal {
+        add(Specular, "smooth metal".to_owned());
+    }
+    if p.transmission.factor > 0.0 && p.ior != 1.0 {
         add(Glass, format!("transmission {}, ior {}", p.transmission.factor, p.ior));
         if p.dispersion > 0.0 && p.thick && p.ior != 1.0 {
             add(Dispersion, format!("dispersion {}", p.dispersion));
@@ -335,7 +343,10 @@ impl Receivers {
             SurfaceModel::Diffuse { .. } | SurfaceModel::Translucent { .. } => (true, false),
             SurfaceModel::Specular { .. } | SurfaceModel::Glass { .. } => (false, true),
             SurfaceModel::Glossy { metal, .. } => (!metal, true),
-            SurfaceModel::Principled(p) => (p.metallic.factor < 1.0 && p.transmission.factor < 1.0, has_lobe(p)),
+            SurfaceModel::Principled(p) => {
+                let casts = has_coat(p) || p.metallic.factor > 0.0 || p.transmission.factor > 0.0;
+                (p.metallic.factor < 1.0 && p.transmission.factor < 1.0, casts)
+            }
             SurfaceModel::Finish(f) => {
                 let casts =
                     f.reflection.is_some() || (f.ior.is_some() && passes(f)) || f.phong > 0.0 || f.specular > 0.0;

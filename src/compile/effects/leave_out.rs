@@ -81,7 +81,12 @@ fn no_dispersion(material: &mut Material) {
 fn no_mirrors(material: &mut Material) {
     match &mut material.surface {
         SurfaceModel::Finish(f) => f.reflection = None,
-        SurfaceModel::Specular { color } => *color = ColorInput::constant(DVec3::ZERO),
+        SurfaceModel::Specular { .. } => material.surface = SurfaceModel::Black,
+        SurfaceModel::Principled(p) if p.metallic.factor > 0.0 && p.roughness.factor == 0.0 => {
+            p.metallic = 0.0.into();
+            p.base_color = ColorInput::constant(DVec3::ZERO);
+            p.specular = 0.0.into();
+        }
         _ => {}
     }
 }
@@ -118,13 +123,11 @@ fn no_highlights(material: &mut Material) {
         SurfaceModel::Principled(p) => {
             p.clearcoat = 0.0.into();
             p.sheen_color = DVec3::ZERO.into();
-            if p.transmission.factor == 0.0 {
+            if has_coat(p) {
                 p.specular = 0.0.into();
-                p.roughness = if p.metallic.factor > 0.0 {
-                    0.0.into()
-                } else {
-                    p.roughness
-                };
+            }
+            if p.metallic.factor > 0.0 {
+                p.roughness = 0.0.into();
             }
         }
         _ => {}
@@ -146,7 +149,7 @@ pub(super) fn passes(f: &Finish) -> bool {
     f.filter > 0.0 || f.transmit > 0.0
 }
 
-/// Whether a principled surface has a specular lobe of its dielectric, or is a metal.
-pub(super) fn has_lobe(p: &Principled) -> bool {
-    (p.specular.factor > 0.0 && p.ior != 1.0) || p.metallic.factor > 0.0
+/// Whether a principled surface is a dielectric with a coat over a base.
+pub(super) fn has_coat(p: &Principled) -> bool {
+    p.specular.factor > 0.0 && p.ior != 1.0 && p.transmission.factor < 1.0 && p.metallic.factor < 1.0
 }

@@ -7,6 +7,8 @@
 pub mod causes;
 mod flatten;
 mod leave_out;
+#[cfg(test)]
+mod tests;
 
 pub use leave_out::Cut;
 
@@ -128,18 +130,4 @@ pub fn image_inputs(material: &Material) -> Vec<TextureId> {
     let mut found = Vec::new();
     plain.each_texture(&mut |t| found.push(t));
     found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_lead_back_to_their_effects() {
-        for (i, effect) in Effect::ALL.into_iter().enumerate() {
-            assert_eq!(effect as usize, i);
-            assert_eq!(Effect::from_word(effect.word()), Some(effect));
-        }
-        assert_eq!(Effect::from_word("fog"), None);
-    }
 }

@@ -6,6 +6,7 @@ use super::node::{LEAF, Node};
 use super::simd::Isa;
 use super::traverse::{BoxRay, Leaf, traverse};
 use super::triangle::{LANES, Line, ShearedRay, TriangleBlock};
+use crate::math::robust::gamma;
 use crate::render::shape::candidates::Candidates;
 use crate::render::technique::BuildPreset;
 use glam::Vec3;
@@ -63,14 +64,9 @@ impl MeshTree {
             .filter(|b| !b.is_empty())
     }
 
-    /// Nodes of the tree.
-    pub fn node_count(&self) -> usize {
-        self.nodes.len()
-    }
-
-    /// Leaves of the tree, of up to four triangles each.
-    pub fn block_count(&self) -> usize {
-        self.blocks.len()
+    /// Memory that the tree takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
     }
 
     /// Offers the triangles that a ray in the tree's unit meets; with `any` it ends at the first that counts.
@@ -92,11 +88,17 @@ impl MeshTree {
         ended
     }
 
-    /// Offers one triangle, given by its number and its corners in the mesh's own unit.
-    pub fn intersect_one(&self, line: Line, id: u32, corners: [Vec3; 3], found: &mut Candidates) {
+    /// Offers one triangle, given by its number and its corners in the mesh's own unit. Returns how far in front of it a
+    /// ray may seem to meet its neighbours in the same plane: edge functions and corners are rounded to f32, which
+    /// moves the ray and the surface against each other by up to γ(16) of their extent, and along the ray by 1/cos as much.
+    pub fn intersect_one(&self, line: Line, id: u32, corners: [Vec3; 3], found: &mut Candidates) -> f64 {
         let (line, shift) = nearer(line);
         let corners = corners.map(|p| (p.as_dvec3() / self.unit).as_vec3());
         ShearedRay::new(line, shift).intersect(&TriangleBlock::new(&[(id, corners)]), found);
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        let n = (b - a).cross(c - a);
+        let across = f64::from(gamma(16)) * (line.o.length() + 8.0) * n.length();
+        across / n.dot(line.d).abs()
     }
 
     /// Takes the path for trees deeper than the stack.

@@ -146,7 +146,8 @@ impl SceneTree {
         }
     }
 
-    fn bounds_of(&self, shape: &Shape) -> Bounds {
+    /// World box of a shape, rounded outward; empty for planes.
+    pub fn bounds_of(&self, shape: &Shape) -> Bounds {
         match shape {
             Shape::Sphere { center, radius } => {
                 let r = DVec3::splat(*radius);
@@ -186,6 +187,11 @@ impl SceneTree {
         };
     }
 
+    /// Memory that the trees of all meshes take.
+    pub fn mesh_bytes(&self) -> usize {
+        self.meshes.iter().map(|m| m.bytes()).sum()
+    }
+
     /// The nearest hit. A ray towards a primitive (`ray.to`; `corners` are those of a mesh triangle in the mesh's own
     /// unit) ends where it meets that, see [`SceneTree::start`].
     #[inline(always)]
@@ -214,6 +220,11 @@ impl SceneTree {
         self.dispatch::<true>(ray, self.start(ray, corners)).found()
     }
 
+    /// Whether a ray towards a primitive meets that, were there nothing else.
+    pub fn reaches(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> bool {
+        ray.to != PrimRef::NONE && self.start(ray, corners).prim == ray.to
+    }
+
     /// What is known before the search. Of a ray towards a primitive the end is known: where this very ray meets it. What
     /// is nearer blocks, and so does a lower primitive in the same place, just as if the ray had been sent to
     /// find the primitive. Where rounding leads the ray past it, `t_max` stands.
@@ -233,17 +244,18 @@ impl SceneTree {
             ..*ray
         };
         let mut end = Candidates::new(&free);
+        let mut room = 0.0;
         match (self.targets.get(ray.to.object as usize), corners) {
             (Some(Target::Mesh { mesh, tree_from_world }), Some(corners)) => {
                 end.enter(ray.to.object, &free);
                 let line = line_in(tree_from_world, ray);
-                self.meshes[*mesh as usize].intersect_one(line, ray.to.prim, corners, &mut end);
+                room = self.meshes[*mesh as usize].intersect_one(line, ray.to.prim, corners, &mut end);
             }
             (Some(Target::Mesh { .. }) | None, _) => {}
             _ => self.meet::<false, Baseline>(ray.to.object, &free, &mut end),
         }
         if end.prim == ray.to {
-            end.end_here();
+            end.end_here(room);
             end
         } else {
             Candidates::new(ray)

@@ -129,13 +129,13 @@ impl ShearedRay {
             if id == found.from {
                 continue; // flat: a ray cannot come back to it
             }
-            let b = if doubtful >> i & 1 == 0 {
-                Vec2::new(b1[i], b2[i])
-            } else if let Some(b) = on_an_edge(xs.map(|x| x[i]), ys.map(|y| y[i])) {
-                b
-            } else {
-                continue;
-            };
+            let mut b = Vec2::new(b1[i], b2[i]);
+            if doubtful >> i & 1 != 0 || !b.is_finite() {
+                match on_an_edge(xs.map(|x| x[i]), ys.map(|y| y[i])) {
+                    Some(in_f64) if in_f64.is_finite() => b = in_f64,
+                    _ => continue,
+                }
+            }
             let corners = block.corners.map(|c| c.map(|axis| f64::from(axis[i])));
             found.offer_at(self.shift + distance(&self.exact, kz, corners), id, b);
         }

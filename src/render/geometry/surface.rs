@@ -122,8 +122,11 @@ fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, ray: &Ray, hit: &Hit)
     let local = v0 * b[0] + v1 * b[1] + v2 * b[2];
     let world = placement.world_from_mesh.transform_point3(local);
     let forward = abs(placement.world_from_mesh.matrix3);
+    // The corners of this triangle and of its neighbours are rounded to f32: what was flat may be folded by that.
+    let corners = v0.abs() * b[0] + v1.abs() * b[1] + v2.abs() * b[2];
     let largest = v0.abs().max(v1.abs()).max(v2.abs());
-    let rounding = (forward * largest + placement.world_from_mesh.translation.abs()) * F64_MARGIN;
+    let local_error = corners * f64::from(gamma(2)) + largest * F64_MARGIN;
+    let rounding = forward * local_error + placement.world_from_mesh.translation.abs() * F64_MARGIN;
     let p_error = error_after_rounding(world.as_vec3(), rounding);
     let p = world;
 

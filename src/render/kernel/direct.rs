@@ -5,7 +5,7 @@ use super::{Kernel, MIRROR_LIKE, MOST_PASSES, NO_ATTRIBUTES, PathStats, Way, go_
 use crate::math::robust::offset_origin;
 use crate::render::light::{LightSample, mis_weight};
 use crate::render::medium::MediumStack;
-use crate::render::ray::{Hit, Ray, ray_mask};
+use crate::render::ray::{Hit, PrimRef, Ray, ray_mask};
 use crate::render::report::Anomaly;
 use crate::render::surface::Surface;
 use crate::render::technique::Direct;
@@ -63,6 +63,10 @@ impl Kernel<'_> {
             to: light.to,
             mask: ray_mask::SHADOW,
         };
+        // Nearer than rounding can tell the light may as well be behind: what the ray meets decides.
+        if ray.t_max <= 0.0 && light.to != PrimRef::NONE && !self.scene.geometry.reaches(&ray) {
+            return Vec3::ZERO;
+        }
         unshadowed * self.visibility(light, ray, media, stats)
     }
 

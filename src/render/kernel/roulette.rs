@@ -5,7 +5,9 @@ use glam::Vec3;
 /// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
 pub(super) const FROM: u32 = 2;
 /// From this bounce on no path survives for certain, so that lossless rooms end.
-pub(super) const ALWAYS_FROM: u32 = 32;
+const ALWAYS_FROM: u32 = 16;
+/// The bounce at which roulette begins if it is to begin late.
+pub(super) const LATE_FROM: u32 = 32;
 /// From this bounce on fewer survive, so that the longest of many paths stays short.
 const HARDER_FROM: u32 = 4096;
 
@@ -17,11 +19,11 @@ pub(super) fn survival(throughput: Vec3, bounce: u32) -> f32 {
     throughput.max_element().min(most(bounce))
 }
 
-/// The largest probability of surviving the k-th bounce: 1, from 32 on 1 − 1/k, from 4096 on 1 − 2/k.
+/// The largest probability of surviving the k-th bounce: 1, from 16 on 1 − 1/k, from 4096 on 1 − 2/k.
 ///
-/// Of lossless paths 32/k reach bounce k, with a weight of k/32. A fixed share instead, 1 − a, lets the weights of a room
+/// Of lossless paths 16/k reach bounce k, with a weight of k/16. A fixed share instead, 1 − a, lets the weights of a room
 /// of albedo 1 − ε grow like ((1 − ε)/(1 − a))^k and is of infinite variance for ε < a/2; growing like k they cost a
-/// room that sums 1/ε bounces a relative variance of 1/(384·ε) at most.
+/// room that sums 1/ε bounces a relative variance of about 1/(192·ε).
 fn most(bounce: u32) -> f32 {
     let lost = match bounce {
         0..ALWAYS_FROM => return 1.0,

@@ -22,12 +22,12 @@ pub struct Candidates {
     pub from: u32,
     /// Face of that object that does not block, or `u32::MAX`.
     pub to: u32,
-    /// Faces of that object at this t or beyond do not block.
-    limit: f64,
     /// Where the boxes that are being walked take the ray to start.
     shift: f64,
     /// What stands at the end of the ray, where that is known: nothing is found as long as it is the nearest.
     end: PrimRef,
+    /// From here on what belongs to the same object as the end is its neighbour in the same surface and does not count.
+    spared_from: f64,
 }
 
 /// t as candidates compare it: rounded to 40 bits. What lies in one place has one t then, whatever formula it comes
@@ -51,19 +51,20 @@ impl Candidates {
             object: u32::MAX,
             from: u32::MAX,
             to: u32::MAX,
-            limit: f64::INFINITY,
             shift: 0.0,
             end: PrimRef::NONE,
+            spared_from: f64::INFINITY,
         }
     }
 
-    /// Takes what was found as the end of the ray: from now on only what hides it is found.
-    pub fn end_here(&mut self) {
+    /// Takes what was found as the end of the ray: from now on only what hides it is found. Of the object it belongs to
+    /// only what is nearer by more than `room`.
+    pub fn end_here(&mut self, room: f64) {
         self.end = self.prim;
+        self.spared_from = self.exact - room;
     }
 
-    /// Names the object whose intersections come next. Faces of the one that the ray goes to count up to its `t_max` only:
-    /// between there and the place aimed at, neighbours of the same surface are met by rounding alone.
+    /// Names the object whose intersections come next.
     #[inline(always)]
     pub fn enter(&mut self, object: u32, ray: &Ray) {
         self.object = object;
@@ -72,11 +73,7 @@ impl Candidates {
         } else {
             u32::MAX
         };
-        (self.to, self.limit) = if ray.to.object == object {
-            (ray.to.prim, f64::from(ray.t_max))
-        } else {
-            (u32::MAX, f64::INFINITY)
-        };
+        self.to = if ray.to.object == object { ray.to.prim } else { u32::MAX };
     }
 
     /// Lets boxes count t from `shift` on.
@@ -106,11 +103,10 @@ impl Candidates {
             prim: face,
         };
         let exact = comparable(t);
-        if t > 0.0
-            && t < self.limit
-            && face != self.to
-            && (exact < self.exact || (exact == self.exact && prim < self.prim))
-        {
+        if t > 0.0 && face != self.to && (exact < self.exact || (exact == self.exact && prim < self.prim)) {
+            if self.object == self.end.object && exact >= self.spared_from {
+                return;
+            }
             self.exact = exact;
             self.t = (exact - self.shift) as f32;
             self.prim = prim;
@@ -154,17 +150,19 @@ mod tests {
         let mut end = Candidates::new(&ray);
         end.enter(5, &ray);
         end.offer(2.0, 0);
-        end.end_here();
-        for (object, t, hides) in [
+        end.end_here(0.01);
+        let cases = [
             (7, 2.0, false),
             (3, 2.0, true),
             (7, 1.999, true),
             (3, 2.001, false),
-            (5, 2.0, false),
-        ] {
+            (5, 1.999, false),
+            (5, 1.98, true),
+        ];
+        for (object, t, hides) in cases {
             let mut found = end;
             found.enter(object, &ray);
-            found.offer(t, 0);
+            found.offer(t, 1);
             assert_eq!(found.found(), hides, "{object} at {t}");
         }
     }
@@ -177,7 +175,7 @@ mod tests {
         let mut end = Candidates::new(&Ray::new(Vec3::ZERO, Vec3::Z));
         end.enter(5, &Ray::new(Vec3::ZERO, Vec3::Z));
         end.offer(2.0, 0);
-        end.end_here();
+        end.end_here(0.1); // as much as the rounding of its corners may be
         for (object, face, t, hides) in [
             (5, 1, 1.8, true),
             (5, 1, 1.95, false),
