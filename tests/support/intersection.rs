@@ -33,7 +33,7 @@ impl Bytes<'_> {
     /// In [−8, 8), often on a coarse grid, so that edges and axes are met.
     fn coordinate(&mut self) -> f64 {
         let (high, low) = (self.byte() as i8, self.byte());
-        let fine = if low < 128 { 0 } else { low - 128 };
+        let fine = low.saturating_sub(128);
         f64::from(high) / 16.0 + f64::from(fine) / 4096.0
     }
 

@@ -156,7 +156,7 @@ impl Closed {
         };
         ray.mask = 1 << bit;
         let (a, b) = (self.baseline.closest(&ray), self.fastest.closest(&ray));
-        let blocked = i % 4 != 0 || self.fastest.occluded(&ray) == b.is_some();
+        let blocked = !i.is_multiple_of(4) || self.fastest.occluded(&ray) == b.is_some();
         let differ = bits(a) != bits(b) || !blocked;
         (usize::from(b.is_none()), usize::from(differ))
     }
