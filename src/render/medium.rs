@@ -193,7 +193,7 @@ mod tests {
         let ior = |object: u32| 1.0 + object as f32;
         for _ in 0..20_000 {
             let object = rng.next_u32() % 20;
-            if rng.next_u32() % 2 == 0 && list.len() < 30 {
+            if rng.next_u32().is_multiple_of(2) && list.len() < 30 {
                 assert!(m.enter(object, ior(object), Vec3::ZERO));
                 list.push(object);
             } else {

@@ -96,11 +96,7 @@ fn no_refraction(material: &mut Material) {
     no_dispersion(material);
     match &mut material.surface {
         SurfaceModel::Glass { ior, roughness, .. } => (*ior, *roughness) = (1.0, 0.0.into()),
-        SurfaceModel::Principled(p) => {
-            if p.transmission.factor > 0.0 {
-                (p.ior, p.roughness) = (1.0, 0.0.into());
-            }
-        }
+        SurfaceModel::Principled(p) if p.transmission.factor > 0.0 => (p.ior, p.roughness) = (1.0, 0.0.into()),
         SurfaceModel::Finish(f) => f.ior = None,
         _ => {}
     }
