@@ -3,12 +3,20 @@
 
 mod support;
 
+#[path = "hard/catalogue.rs"]
+mod catalogue;
+#[path = "hard/contact.rs"]
+mod contact;
 #[path = "hard/everywhere.rs"]
 mod everywhere;
+#[path = "hard/extremes.rs"]
+mod extremes;
 #[path = "hard/invariance.rs"]
 mod invariance;
 #[path = "hard/lamps.rs"]
 mod lamps;
+#[path = "hard/media.rs"]
+mod media;
 #[path = "hard/oblique.rs"]
 mod oblique;
 #[path = "hard/one_place.rs"]
@@ -16,7 +24,7 @@ mod one_place;
 
 use pts::render::settings::Settings;
 use support::estimate::WHOLE;
-use support::scenes::{bits, estimate_of, ready, settings};
+use support::scenes::{bits, estimate_of, ready};
 
 const SIGMAS: f64 = 5.0;
 
@@ -166,31 +174,4 @@ fn a_lens_of_no_size_is_a_pinhole() {
         bits(&ready.shoot(&Settings::new(24, 24, 16)).picture)
     });
     assert!(pictures[0] == pictures[1]);
-}
-
-/// Lengths scaled by a power of two change no bit: no length is compared with a fixed number anywhere.
-#[test]
-fn a_scene_scaled_by_a_power_of_two_has_the_same_bits() {
-    let shoot = |scale: f64| {
-        let scale = format!("{scale:e}");
-        let ready = ready("tests/hard/scale/still_life.pts", &[("S", &scale)], [40, 40]);
-        bits(&ready.shoot(&settings([40, 40], 16, 3)).picture)
-    };
-    let one = shoot(1.0);
-    for k in [-20, -10, -1, 10, 20] {
-        let other = shoot(2f64.powi(k));
-        let differing = one.iter().zip(&other).filter(|(a, b)| a != b).count();
-        assert!(differing == 0, "2^{k}: {differing} values differ");
-    }
-}
-
-/// Moved far away, the picture stays the same up to noise: positions are relative to the camera.
-#[test]
-fn a_scene_far_from_the_origin_is_the_same_picture() {
-    let here = estimate_of("tests/hard/scale/still_life.pts", &[], [32, 32], 256);
-    for far in ["1e4", "1e6"] {
-        let there = estimate_of("tests/hard/scale/still_life.pts", &[("M", far)], [32, 32], 256);
-        let verdict = support::ztest::compare(&there, &here, 4, 1e-3);
-        assert!(verdict.agree(), "{far}: {verdict}");
-    }
 }

@@ -217,11 +217,11 @@ fn the_effects_of_the_scene_are_weighed() {
         let own = effects.iter().find(|e| e["effect"] == name);
         own.unwrap_or_else(|| panic!("{name} is not in {effects:?}")).clone()
     };
-    let indirect = find("indirect light");
+    let indirect = find("indirect");
     assert_eq!(indirect["significant"], true, "{indirect}");
     assert!(indirect["energy"].as_f64().expect("a number") > 0.1, "{indirect}");
     assert!(indirect["time"].as_f64().expect("a number") > 0.1, "{indirect}");
-    assert_eq!(find("mirrors")["significant"], true);
+    assert_eq!(find("specular")["significant"], true);
     assert_eq!(find("caustics")["significant"], true);
 }
 

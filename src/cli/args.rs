@@ -62,6 +62,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Read scenes and everything they use, and report all mistakes, without rendering.
     Check(CheckArgs),
+    /// Show what a scene calls for and who calls for it, what it holds and does not need, and how large it is.
+    Inspect(InspectArgs),
     /// Measure how far an image is from a reference, and whether noise explains it.
     #[command(after_help = COMPARE_EXIT_CODES)]
     Compare(CompareArgs),
@@ -251,6 +253,29 @@ pub struct CheckArgs {
     #[arg(long, value_name = "FORMAT", default_value = "human", help_heading = OUTPUT)]
     pub format: ReportFormat,
     /// How the scenes are read.
+    #[command(flatten)]
+    pub load: LoadArgs,
+    /// What is said meanwhile.
+    #[command(flatten)]
+    pub terminal: TerminalArgs,
+}
+
+/// The arguments of `inspect`.
+#[derive(Args, Clone, Debug)]
+pub struct InspectArgs {
+    /// The scene: .pts, .pov, .gltf, .glb or .obj, or - for text on standard input.
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// How it is told on standard output: as text, or as one JSON document.
+    #[arg(long, value_name = "FORMAT", default_value = "human", help_heading = OUTPUT)]
+    pub format: ReportFormat,
+    /// Width and height of the picture [default: the scene's, else 800x600].
+    #[arg(short, long, value_name = "WxH", help_heading = PICTURE)]
+    pub resolution: Option<Resolution>,
+    /// What replaces parts of the scene.
+    #[command(flatten)]
+    pub view: ViewArgs,
+    /// How the scene is read.
     #[command(flatten)]
     pub load: LoadArgs,
     /// What is said meanwhile.

@@ -122,7 +122,7 @@ pub fn describe(
     }
     value["error"] = error_to_json(error.as_ref());
     value["anomalies"] = anomalies_to_json(&report.anomalies);
-    let (technique, biased) = (settings.technique.flags(), args.sampling.technique().biased());
+    let (technique, biased) = (settings.technique.flags(), args.sampling.biased());
     stamp(&mut value, &technique, &biased, report.clamped);
     if with_story || report.stop == StopReason::Interrupted {
         value["stop"] = json!(stop_word(report.stop));
@@ -161,6 +161,8 @@ pub fn bias_words(biased: &[String], clamped: u64) -> String {
     let told = biased.iter().map(|flag| {
         if flag.starts_with("--clamp ") {
             format!("{flag} ({} samples clamped)", grouped(clamped))
+        } else if flag.starts_with("--without ") {
+            format!("{flag} (not the scene as written)")
         } else {
             flag.clone()
         }

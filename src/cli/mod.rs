@@ -1,7 +1,7 @@
 //! The command line: reads flags, calls the library, tells people (or programs) what happened.
 //!
 //! Streams: pictures go to files, or to standard output on request; everything else goes to standard error.
-//! (The reports of `compare` and of `check --format json` are the exceptions: they are the product.)
+//! (The reports of `compare`, `inspect` and `check --format json` are the exceptions: they are the product.)
 
 pub mod accuracy;
 mod args;
@@ -13,6 +13,7 @@ pub mod compare;
 pub mod compare_report;
 pub mod console;
 pub mod diagnostics;
+pub mod inspect;
 pub mod merge;
 pub mod metadata;
 pub mod outputs;
@@ -88,6 +89,7 @@ pub fn main() -> ExitCode {
     let run = move || match cli.command {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Inspect(args)) => inspect::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Merge(args)) => merge::run(&args),
         Some(Command::Study(args)) => study::run(&args),

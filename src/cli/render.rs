@@ -216,6 +216,9 @@ fn build<F: Files>(
     if diags.has_errors() {
         return Ok(None);
     }
+    for effect in &args.sampling.without {
+        effect.leave_out(&mut scene, &mut settings.technique, files);
+    }
     let compiling = Instant::now();
     let Some(compiled) = compile_with(&scene, files, size[0], size[1], &settings.technique, diags) else {
         return Ok(None);
@@ -314,7 +317,7 @@ fn conclude(
         settings: &job.settings,
         goal: &job.goal,
         report,
-        biased: &args.sampling.technique().biased(),
+        biased: &args.sampling.biased(),
         view: view.as_deref(),
         replay: &replay,
     };

@@ -63,6 +63,7 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
         ..args.sampling.technique()
     };
     words.extend(technique.flags());
+    words.extend(args.sampling.without_flag());
     if let Some(depth) = args.sampling.max_depth {
         words.extend(["--max-depth".to_owned(), depth.to_string()]);
     }

@@ -14,7 +14,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// The names of commands, for those who misspell them.
-const COMMANDS: [&str; 5] = ["render", "check", "compare", "merge", "study"];
+const COMMANDS: [&str; 6] = ["render", "check", "inspect", "compare", "merge", "study"];
 
 /// The files of the machine, with standard input among them where the scene is `-`, and the scene's path therein.
 pub fn open(scene: &Path) -> std::io::Result<(StdinFiles<DiskFiles>, PathBuf)> {

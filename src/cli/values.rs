@@ -1,5 +1,6 @@
 //! The values of flags: each parser turns one word of the command line into a checked number or says what it expected.
 
+use crate::compile::effects::Effect;
 use crate::render::technique::Choice;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::str::FromStr;
@@ -153,6 +154,12 @@ pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
         .iter()
         .map(|(_, word, about)| PossibleValue::new(*word).help(*about));
     PossibleValuesParser::new(words).try_map(|word| T::from_word(&word).ok_or("unknown word"))
+}
+
+/// An effect by its name.
+pub fn effect() -> impl TypedValueParser<Value = Effect> {
+    let words = Effect::ALL.map(|e| PossibleValue::new(e.word()).help(e.without()));
+    PossibleValuesParser::new(words).try_map(|word| Effect::from_word(&word).ok_or("unknown effect"))
 }
 
 /// A finite number.

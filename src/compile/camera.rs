@@ -70,6 +70,29 @@ mod tests {
         assert_eq!(wide.map(|c| (c.right, c.up)), Some((DVec3::X * 8.0, DVec3::Y * 2.0)));
     }
 
+    /// A focus in front of the lens, however far, is taken; at the lens, behind it or nowhere it is refused, and so is a
+    /// lens of no real size. A pinhole has no focus to be wrong.
+    #[test]
+    fn only_a_lens_that_can_focus_is_taken() {
+        let taken = |lens_radius: f64, focus_distance: f64| {
+            let camera = Camera {
+                lens_radius,
+                focus_distance,
+                ..Camera::default()
+            };
+            compile_camera(&camera, 4, 4, &mut Diagnostics::default()).is_some()
+        };
+        for focus in [1e-300, 1e-20, 1.0, 1e20, 1e300, f64::INFINITY] {
+            assert!(taken(0.1, focus) && taken(0.0, focus), "a focus of {focus} is refused");
+        }
+        for focus in [0.0, -0.0, -1.0, f64::NEG_INFINITY, f64::NAN] {
+            assert!(!taken(0.1, focus) && taken(0.0, focus), "a focus of {focus}");
+        }
+        for lens in [-1.0, f64::INFINITY, f64::NAN] {
+            assert!(!taken(lens, 1.0), "a lens of {lens} is taken");
+        }
+    }
+
     #[test]
     fn a_camera_without_a_direction_is_refused() {
         let camera = Camera {

@@ -143,6 +143,28 @@ mod tests {
     }
 
     #[test]
+    fn maps_without_numbers_or_beyond_them_are_left_out_with_a_warning() {
+        let mut stretched = DAffine3::IDENTITY;
+        stretched.matrix3.y_axis.x = f64::NAN;
+        let far = DAffine3::from_translation(DVec3::new(f64::INFINITY, 0.0, 0.0));
+        let vast = DAffine3::from_scale(DVec3::splat(f64::MAX)) * DAffine3::from_scale(DVec3::splat(2.0));
+        for map in [stretched, far, vast, DAffine3::from_scale(DVec3::new(0.0, 0.0, 1.0))] {
+            let mut scene = Scene::default();
+            scene.objects.push(sphere().transformed(map));
+            let mut diags = Diagnostics::default();
+            assert!(leaves(&scene, &mut diags).is_empty(), "{map:?}");
+            assert_eq!(diags.anomalies().of(Anomaly::DroppedShape), 1);
+        }
+        // Mirrored and stretched by 10¹² is neither.
+        let mirrored = DAffine3::from_scale(DVec3::new(-1.0, 1e12, 1.0));
+        let mut scene = Scene::default();
+        scene.objects.push(sphere().transformed(mirrored));
+        let mut diags = Diagnostics::default();
+        assert_eq!(leaves(&scene, &mut diags).len(), 1);
+        assert_eq!(diags.anomalies().of(Anomaly::DroppedShape), 0);
+    }
+
+    #[test]
     fn a_flattened_object_is_left_out_with_a_warning_and_tiny_ones_are_not() {
         let mut scene = Scene::default();
         scene

@@ -5,11 +5,13 @@
 
 mod camera;
 mod caps;
+pub mod effects;
 mod flatten;
 mod images;
 mod lights;
 mod materials;
 mod objects;
+pub mod unused;
 
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::files::Files;

@@ -86,8 +86,10 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         self.objects.push(object);
     }
 
-    /// Turns what was collected triangle by triangle into meshes. To be called once, at the end.
+    /// Turns what was collected triangle by triangle into meshes, and gives meshes the attributes that a material
+    /// reads. To be called once, at the end.
     pub fn finish(&mut self, diags: &mut Diagnostics) {
+        self.add_attributes();
         for (visibility, loose) in std::mem::take(&mut self.loose) {
             let (mesh, materials) = loose.into_mesh();
             diags.count_anomaly(Anomaly::DroppedFace, mesh.dropped_faces);
@@ -97,6 +99,22 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
             let world = DAffine3::from_translation(mesh.center - self.origin);
             self.meshes.push(mesh_data(&mesh));
             self.place_mesh(self.meshes.len() as u32 - 1, world, materials, visibility);
+        }
+    }
+
+    fn add_attributes(&mut self) {
+        let mut read = vec![false; self.meshes.len()];
+        for object in &self.objects {
+            if let Engine::Mesh { mesh, .. } = object.shape {
+                let reads = |m: &u32| self.materials.materials[*m as usize].needs_attributes;
+                read[mesh as usize] |= object.materials.iter().any(reads);
+            }
+        }
+        for (id, &index) in self.meshes_known.iter().filter(|(_, i)| read[**i as usize]) {
+            if let Some(mesh) = self.scene.meshes.get(id.index()) {
+                let data = &mut self.meshes[index as usize];
+                (data.uvs, data.tangents, data.colors) = (mesh.uvs.clone(), mesh.tangents.clone(), mesh.colors.clone());
+            }
         }
     }
 
@@ -359,12 +377,10 @@ fn mesh_data(mesh: &Mesh) -> MeshData {
     MeshData {
         positions: mesh.positions.clone(),
         normals: mesh.normals.clone(),
-        tangents: mesh.tangents.clone(),
-        uvs: mesh.uvs.clone(),
-        colors: mesh.colors.clone(),
         triangles: mesh.triangles.clone(),
         face_materials: mesh.face_materials.clone(),
         flip_winding: mesh.flip_winding,
+        ..MeshData::default()
     }
 }
 

@@ -242,14 +242,12 @@ const MAX_STORED: usize = 1000;
 impl Diagnostics {
     /// Adds one, unless the same one (severity, code, message, place) was told already.
     pub fn push(&mut self, d: Diagnostic) {
-        if self.items.contains(&d) {
-            return;
-        }
+        // What happened again is counted again, though it is told once.
         if let Some((kind, n)) = d.counts {
             self.anomalies.count(kind, n);
         }
         let is_first_error = d.severity == Severity::Error && !self.has_errors();
-        if is_first_error || self.items.len() < MAX_STORED {
+        if is_first_error || (self.items.len() < MAX_STORED && !self.items.contains(&d)) {
             self.items.push(d);
         }
     }

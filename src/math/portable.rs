@@ -83,4 +83,24 @@ mod tests {
         assert_eq!(sin_cos_turns(0.25), (1.0, 0.0));
         assert_eq!(sin_cos_turns(0.5).1, -1.0);
     }
+
+    /// Catalogue of hard cases H 49: rounding may carry a cosine beyond 1, and a small angle has no digits in its cosine,
+    /// but all in its tangent.
+    #[test]
+    fn angles_survive_rounding() {
+        let u = super::super::robust::UNIT_ROUNDOFF;
+        for beyond in [1.0, 1.0 + 2.0 * u, 1.000_001, 7.0, f32::INFINITY] {
+            assert_eq!(acos(beyond), 0.0);
+            assert!((acos(-beyond) - std::f32::consts::PI).abs() <= 4.0 * u);
+        }
+        for angle in [1e-30f64, 3e-4, 0.1, 1.0, 3.0] {
+            let found = atan2(angle.sin() as f32, angle.cos() as f32);
+            assert!(
+                (f64::from(found) / angle - 1.0).abs() <= 4.0 * f64::from(u),
+                "{angle}: {found}"
+            );
+        }
+        let by_cosine = f64::from(acos(1e-4f64.cos() as f32));
+        assert_eq!(by_cosine, 0.0, "a cosine has kept an angle of 1e-4");
+    }
 }

@@ -65,7 +65,8 @@ pub fn triangle(u: Vec2) -> Vec2 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stats::chi2_uniform_grid;
+    use super::super::robust::UNIT_ROUNDOFF;
+    use super::super::stats::{Pcg, chi2_uniform_grid};
     use super::*;
 
     /// χ² of each map against its density, after mapping back to a square in which it must be uniform.
@@ -99,17 +100,48 @@ mod tests {
         });
     }
 
+    /// No coordinate is ever negative, the third one, 1 − b1 − b2 as it is computed, included; together they are 1
+    /// within 2u. The largest and the smallest numbers there are, corners, the diagonal, and a million by chance.
     #[test]
     fn barycentrics_stay_inside() {
-        for u in [
-            Vec2::ZERO,
-            Vec2::ONE,
-            Vec2::new(1.0, 0.0),
-            Vec2::new(0.0, 1.0),
-            Vec2::new(0.3, 0.999_999_9),
-        ] {
+        let mut rng = Pcg::new(47);
+        let ends: Vec<f32> = (0..64)
+            .map(|k| k as f32 * UNIT_ROUNDOFF)
+            .flat_map(|x| [x, 1.0 - UNIT_ROUNDOFF - x])
+            .collect();
+        let corners = ends.iter().flat_map(|&x| ends.iter().map(move |&y| Vec2::new(x, y)));
+        let diagonal = (0..4096).map(|k| Vec2::splat(k as f32 / 4096.0));
+        let chance: Vec<Vec2> = (0..1_000_000).map(|_| rng.next_vec2()).collect();
+        for u in corners.chain(diagonal).chain(chance) {
             let b = triangle(u);
-            assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0, "{u}: {b}");
+            let b0 = 1.0 - b.x - b.y;
+            assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0 && b0 >= 0.0, "{u}: {b}");
+            let sum = f64::from(b0) + f64::from(b.x) + f64::from(b.y);
+            assert!((sum - 1.0).abs() <= 2.0 * f64::from(UNIT_ROUNDOFF), "{u}: {sum}");
         }
+    }
+
+    /// The radius is 1 only where a number is 0: there, and nowhere else, the cosine is 0. The smallest other one is that
+    /// of the smallest step, √(2·2u) ≈ 3.5e-4; nothing is NaN and every direction is a unit vector to 8u.
+    #[test]
+    fn the_cosine_of_a_direction_is_never_negative_nor_lost() {
+        let mut smallest = 1.0f32;
+        for k in 0..4096 {
+            for other in [0.0, 0.25, 0.5, 0.77, 1.0 - UNIT_ROUNDOFF] {
+                for x in [k as f32 * UNIT_ROUNDOFF, 1.0 - (k + 1) as f32 * UNIT_ROUNDOFF] {
+                    for u in [Vec2::new(x, other), Vec2::new(other, x)] {
+                        let w = cosine_hemisphere(u);
+                        assert!(w.z >= 0.0 && (w.z > 0.0 || u.min_element() == 0.0), "{u}: {w}");
+                        let off = w.as_dvec3().length() - 1.0;
+                        assert!(off.abs() <= 8.0 * f64::from(UNIT_ROUNDOFF), "{u}: {off}");
+                        smallest = if w.z > 0.0 { smallest.min(w.z) } else { smallest };
+                    }
+                }
+            }
+        }
+        assert!(
+            (smallest / (4.0 * UNIT_ROUNDOFF).sqrt() - 1.0).abs() < 1e-3,
+            "{smallest}"
+        );
     }
 }

@@ -1,5 +1,15 @@
 //! Numbers as people read them: shares, durations, counts; and words as a shell takes them.
 
+/// A number of bytes: `512 bytes`, `5.1 kB`, `12.4 MB`; thousands, not 1024s.
+pub fn bytes(n: u64) -> String {
+    match n {
+        0..1000 => format!("{n} bytes"),
+        1000..1_000_000 => format!("{} kB", significant(n as f64 / 1e3, 3)),
+        1_000_000..1_000_000_000 => format!("{} MB", significant(n as f64 / 1e6, 3)),
+        _ => format!("{} GB", significant(n as f64 / 1e9, 3)),
+    }
+}
+
 /// A number with so many significant digits, without an exponent from 10⁻⁶ to 10⁹ and without trailing zeros after
 /// the point.
 pub fn significant(x: f64, digits: i32) -> String {

@@ -62,6 +62,17 @@ impl Camera {
     }
 }
 
+/// Where a point of a pixel lies along one axis of a picture of `size` pixels, from its middle, in units of its size:
+/// in [-½, ½] for points inside. `offset` is counted from the pixel's centre, in pixels.
+///
+/// The centre is exact and the offset is added in f64, so that pixel 99 999 has as many places as pixel 0; in f32 the
+/// last pixel of 16 384 has 1025. A point of [-½, ½) stays in its pixel, up to its very edge.
+#[inline]
+pub fn place_in_picture(pixel: u32, size: u32, offset: f32) -> f64 {
+    let size = f64::from(size);
+    ((f64::from(pixel) + 0.5 - 0.5 * size) + f64::from(offset)) / size
+}
+
 /// Offsets from the pixel's centre, in pixels, distributed like a filter.
 #[derive(Clone, Debug)]
 pub struct FilterSampler {
@@ -127,6 +138,7 @@ impl FilterSampler {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::robust::UNIT_ROUNDOFF;
 
     fn camera(lens_radius: f64, focus_distance: f64) -> Camera {
         Camera {
@@ -152,11 +164,75 @@ mod tests {
         }
     }
 
+    /// The pinhole's direction up to one rounding, from a point of the lens. The textbook's difference of two points
+    /// 1e20 away is 0 or NaN.
     #[test]
     fn a_lens_focused_very_far_away_gives_parallel_rays() {
-        for focus in [1e20, f64::INFINITY] {
-            let ray = camera(0.3, focus).ray(0.2, 0.1, Vec2::new(0.9, 0.5));
-            assert!((ray.dir - camera(0.0, 1.0).ray(0.2, 0.1, Vec2::ZERO).dir).length() < 1e-6);
+        for focus in [1e20, 1e38, 1e300, f64::INFINITY] {
+            for u in [Vec2::ZERO, Vec2::new(0.9, 0.5), Vec2::splat(0.3)] {
+                let ray = camera(0.3, focus).ray(0.2, 0.1, u);
+                let off = ray.dir - camera(0.0, 1.0).ray(0.2, 0.1, Vec2::ZERO).dir;
+                assert!(off.abs().max_element() <= UNIT_ROUNDOFF, "focus {focus}: off by {off}");
+                assert!(ray.origin != Vec3::ZERO, "focus {focus}: no lens");
+            }
+        }
+    }
+
+    /// Bit for bit, wherever the focus is.
+    #[test]
+    fn a_lens_without_a_radius_is_a_pinhole() {
+        let plain = camera(0.0, 1.0).ray(0.2, 0.1, Vec2::ZERO);
+        for focus in [1e-20, 1.0, 1e20, f64::INFINITY] {
+            for u in [Vec2::ZERO, Vec2::new(0.9, 0.5)] {
+                assert_eq!(camera(0.0, focus).ray(0.2, 0.1, u), plain);
+            }
+        }
+    }
+
+    /// A thousand sub-pixel places are what f32 leaves in the last pixel of 16 384; here 2²⁰ numbers are 2²⁰ places, in
+    /// the pixel that they belong to, to its very edge: the border is rounded like the places, and division is monotone.
+    #[test]
+    fn pixels_of_wide_pictures_have_all_their_places_and_keep_them() {
+        let filter = FilterSampler::new(Filter::Box);
+        for size in [1, 16_384, 100_000, 1 << 24] {
+            for pixel in [0, size / 3, size / 2, size - 1] {
+                let border = |x: f64| (x - 0.5 * f64::from(size)) / f64::from(size);
+                let (low, high) = (border(f64::from(pixel)), border(f64::from(pixel) + 1.0));
+                let mut last = f64::NEG_INFINITY;
+                for k in 0..1 << 20 {
+                    // All steps of 2⁻²⁰, ending with the largest number there is.
+                    let u = ((k as f32 + 1.0) / 1_048_576.0).min(1.0 - UNIT_ROUNDOFF);
+                    let at = place_in_picture(pixel, size, filter.offset(u));
+                    assert!(low <= at && at < high, "pixel {pixel} of {size}: {at} at {u}");
+                    assert!(at > last, "pixel {pixel} of {size}: two numbers for one place, {at}");
+                    last = at;
+                }
+                assert_eq!(place_in_picture(pixel, size, filter.offset(0.0)), low);
+            }
+        }
+    }
+
+    /// The directions at the edges of the picture open the field of view, from 1e-4° to 179.9°: rounded once per
+    /// component, u in the direction; of the angle that is u over it.
+    #[test]
+    fn extreme_fields_of_view_are_as_wide_as_they_say() {
+        for degrees in [1e-4, 1e-2, 1.0, 90.0, 179.0, 179.9, 179.9999f64] {
+            let half = (0.5 * degrees).to_radians();
+            let camera = Camera {
+                direction: DVec3::Z * (0.5 / half.tan()),
+                ..camera(0.0, 1.0)
+            };
+            for x in [-0.5, 0.5] {
+                let d = camera.ray(x, 0.0, Vec2::ZERO).dir.as_dvec3();
+                let found = d.x.abs().atan2(d.z);
+                let off = (found - half).abs();
+                let u = f64::from(UNIT_ROUNDOFF);
+                assert!(
+                    off <= u * half.min(1.0) + u * half.cos(),
+                    "{degrees}°: {found} instead of {half}"
+                );
+                assert!((d.length() - 1.0).abs() <= 2.0 * u);
+            }
         }
     }
 

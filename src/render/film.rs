@@ -202,4 +202,92 @@ mod tests {
             assert_eq!(second.sums, whole.sums, "cut at {cut}");
         }
     }
+
+    /// The mean of all samples of the one pixel.
+    fn mean_of(samples: u32, value: impl Fn(u32) -> f64) -> f64 {
+        let mut film = TileFilm::new(1, 16, 1, 0);
+        film.extend(samples, |_, i, out| out[0] = value(i));
+        let mut sum = [0.0];
+        let nets = (0..16).map(|net| {
+            film.net_sum(0, net, &mut sum);
+            sum[0]
+        });
+        nets.sum::<f64>() / f64::from(samples)
+    }
+
+    /// Relative error of a mean of positive numbers: a leaf has 15 roundings, a tree of n/16 leaves log₂(n/16), its
+    /// at most 28 subtrees and a leaf are added one by one, so are the 16 nets, and the division rounds once.
+    fn rounding(samples: u32) -> f64 {
+        (15.0 + f64::from(samples.ilog2()) + 28.0 + 16.0 + 1.0) * 2f64.powi(-53)
+    }
+
+    /// Ten million times 0.1; f32 sums are 8.8 % off. Oracle: the number itself.
+    #[test]
+    fn ten_million_samples_have_their_mean() {
+        let n = 10_000_000;
+        let tenth = f64::from(0.1f32);
+        let mean = mean_of(n, |_| tenth);
+        assert!((mean / tenth - 1.0).abs() <= rounding(n), "{mean}");
+    }
+
+    /// Faint samples among fireflies of 1e7, in f32 5 % too dark; oracle: integers, which f64 sums exactly.
+    /// And numbers from 1e-9 to 1e30 at once; oracle: a sum that carries its own rounding errors along (Neumaier 1974).
+    #[test]
+    fn bright_samples_do_not_swallow_faint_ones() {
+        let n = 1_000_000;
+        let firefly = |i: u32| {
+            if i.is_multiple_of(1_000_003) || i % 99_991 == 7 {
+                1e7
+            } else {
+                f64::from(i % 17)
+            }
+        };
+        let exact = (0..n).map(|i| firefly(i) as u64).sum::<u64>() as f64 / f64::from(n);
+        assert_eq!(mean_of(n, firefly), exact);
+
+        let wide = |i: u32| {
+            let mut rng = Pcg::new(u64::from(i));
+            f64::from(10f64.powf(39.0 * rng.next_f64() - 9.0) as f32)
+        };
+        let (mut sum, mut left) = (0.0f64, 0.0f64);
+        for x in (0..n).map(wide) {
+            let next = sum + x;
+            left += if sum >= x { (sum - next) + x } else { (x - next) + sum };
+            sum = next;
+        }
+        let off = mean_of(n, wide) / ((sum + left) / f64::from(n)) - 1.0;
+        assert!(off.abs() <= rounding(n), "off by {off}");
+    }
+
+    /// The spread of the nets does not depend on what they spread around: mean squares minus squared means would have
+    /// no digit left of a variance of 1 at 1e8. Means of n samples around m are rounded by `rounding(n)`·m each.
+    #[test]
+    fn the_variance_of_bright_pixels_keeps_its_digits() {
+        let n = 160_000;
+        let noise = |i: u32| crate::math::stats::normal_quantile(Pcg::new(u64::from(i)).next_f64());
+        let error_around = |level: f64| {
+            let mut film = TileFilm::new(1, 16, 1, 0);
+            film.extend(n, |_, i, out| out[0] = level + noise(i));
+            let mut sum = [0.0];
+            let means: Vec<[f64; 3]> = (0..16)
+                .map(|net| [f64::from(film.net_sum(0, net, &mut sum)); 3].map(|points| sum[0] / points))
+                .collect();
+            f64::from(crate::render::estimate::standard_error(&means)[0])
+        };
+        let around_nothing = error_around(0.0);
+        // The variance of a mean of n standard normal numbers is 1/n; 15 degrees of freedom leave 5·√(2/15)/2 of its root.
+        let expected = f64::from(n).sqrt().recip();
+        assert!(
+            (around_nothing / expected - 1.0).abs() < 0.92,
+            "{around_nothing}, expected {expected}"
+        );
+        for level in [1.0, 1e4, 1e8] {
+            let found = error_around(level);
+            let allowed = 2.0 * rounding(n) * level + around_nothing * 2f64.powi(-23);
+            assert!(
+                (found - around_nothing).abs() <= allowed,
+                "{found} around {level}, {around_nothing} around 0"
+            );
+        }
+    }
 }

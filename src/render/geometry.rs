@@ -134,18 +134,18 @@ impl Geometry {
         self.tree.occluded(ray, self.corners(ray.to))
     }
 
+    /// The nearest hit, found without any box.
+    #[cfg(test)]
+    pub(crate) fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
+        self.tree.closest_by_force(ray, self.corners(ray.to))
+    }
+
     /// Corners of a mesh triangle in the mesh's own unit; `None` for everything else.
     fn corners(&self, prim: PrimRef) -> Option<[Vec3; 3]> {
         let Shape::Mesh { mesh, .. } = &self.objects.get(prim.object as usize)?.shape else {
             return None;
         };
         self.meshes.get(*mesh as usize)?.corners(prim.prim)
-    }
-
-    /// The nearest hit without any box.
-    #[cfg(test)]
-    pub(crate) fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
-        self.tree.closest_by_force(ray, self.corners(ray.to))
     }
 
     /// The objects, as given.
@@ -156,6 +156,12 @@ impl Geometry {
     /// The meshes, as given.
     pub fn meshes(&self) -> &[MeshData] {
         &self.meshes
+    }
+
+    /// Memory that meshes and their trees take.
+    pub fn bytes(&self) -> u64 {
+        let data = self.meshes.iter().map(MeshData::bytes).sum::<usize>();
+        (data + self.tree.mesh_bytes()) as u64
     }
 
     /// World box of everything bounded, rounded outward; `None` if there is nothing (planes are unbounded).
@@ -190,6 +196,16 @@ impl Geometry {
 }
 
 impl MeshData {
+    fn bytes(&self) -> usize {
+        let uvs: usize = self.uvs.iter().map(|set| size_of_val(&set[..])).sum();
+        uvs + size_of_val(&self.positions[..])
+            + size_of_val(&self.normals[..])
+            + size_of_val(&self.tangents[..])
+            + size_of_val(&self.colors[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.face_materials[..])
+    }
+
     /// The corners of a triangle, if it exists.
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         self.by_corner(&self.positions, triangle)

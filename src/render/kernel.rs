@@ -7,10 +7,13 @@
 mod contact;
 mod direct;
 mod fold;
+mod roulette;
 mod start;
+#[cfg(test)]
+mod tests;
+mod weigh;
 
 use super::bsdf::Bsdf;
-use super::light::{HitOnLight, mis_weight};
 use super::material::{Alpha, Shading};
 use super::medium::MediumStack;
 use super::ray::{PrimRef, Ray, ray_mask};
@@ -25,12 +28,6 @@ use contact::contact;
 use fold::Sides;
 use glam::{DVec3, Vec2, Vec3};
 
-/// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
-const ROULETTE_FROM: u32 = 2;
-/// From this bounce on no path survives for certain, so that lossless rooms end.
-const ROULETTE_ALWAYS_FROM: u32 = 32;
-/// From this bounce on fewer survive, so that the longest of many paths stays short.
-const ROULETTE_HARDER_FROM: u32 = 4096;
 /// Scattering into a direction of at least this density, in 1/sr, is like that of a mirror where caustics are left out:
 /// 50 times that of a diffuse surface at its densest; the middle of the reflection of facets of α ≤ 0.07 is above it.
 pub const MIRROR_LIKE: f32 = 16.0;
@@ -135,8 +132,8 @@ impl<'a> Kernel<'a> {
             max_depth: technique.max_depth,
             direct: technique.direct,
             roulette_from: match technique.roulette {
-                Roulette::Throughput => ROULETTE_FROM,
-                Roulette::Late => ROULETTE_ALWAYS_FROM,
+                Roulette::Throughput => roulette::FROM,
+                Roulette::Late => roulette::ALWAYS_FROM,
             },
             clamp: technique.clamp.unwrap_or(f32::INFINITY),
             caustics: technique.caustics,
@@ -356,7 +353,7 @@ impl<'a> Kernel<'a> {
             }
 
             if bounce >= self.roulette_from {
-                let survival = throughput.max_element().min(most_survival(bounce));
+                let survival = roulette::survival(throughput, bounce);
                 if scatter[3] >= survival {
                     return out;
                 }
@@ -398,65 +395,6 @@ impl<'a> Kernel<'a> {
             channel: None,
         }
     }
-
-    /// Radiance from infinity, weighted against light sampling.
-    fn escaped(&self, ray: &Ray, from: &Departure, bounce: u32) -> Vec3 {
-        if bounce == 1
-            && let Some(backdrop) = self.scene.backdrop
-        {
-            return backdrop;
-        }
-        let lights = &self.scene.lights;
-        let radiance = lights.escaped(ray.dir);
-        if radiance == Vec3::ZERO || from.way == Way::Caustic {
-            return Vec3::ZERO;
-        }
-        let weight = self.weight(from, || lights.environment_pdf(from.p, from.n, from.two_sided, ray.dir));
-        radiance * weight
-    }
-
-    /// The weight of emission that a scattered ray hit.
-    fn hit_weight(&self, ray: &Ray, from: &Departure, surface: &Surface, t: f32) -> f32 {
-        if from.way == Way::Caustic {
-            return 0.0;
-        }
-        if surface.light == Surface::NOT_A_LIGHT {
-            return 1.0;
-        }
-        self.weight(from, || {
-            let hit = HitOnLight {
-                p: surface.p,
-                ng: surface.ng,
-                distance: t,
-            };
-            self.scene
-                .lights
-                .pdf(surface.light, from.p, from.n, from.two_sided, ray.dir, &hit)
-        })
-    }
-
-    /// Weight of a scattered direction against a light sample of density `light_pdf`.
-    fn weight(&self, from: &Departure, light_pdf: impl FnOnce() -> f32) -> f32 {
-        match (from.pdf, self.direct) {
-            (None, _) | (_, Direct::Bsdf) => 1.0,
-            (Some(pdf), Direct::Mis) => mis_weight(pdf, light_pdf()),
-            (Some(_), Direct::Light) => f32::from(u8::from(light_pdf() == 0.0)),
-        }
-    }
-}
-
-/// The largest probability of surviving the k-th bounce: 1, from 32 on 1 − 1/k, from 4096 on 1 − 2/k.
-///
-/// Of lossless paths 32/k reach bounce k, with a weight of k/32. A fixed share instead, 1 − a, lets the weights of a room
-/// of albedo 1 − ε grow like ((1 − ε)/(1 − a))^k and is of infinite variance for ε < a/2; growing like k they cost a
-/// room that sums 1/ε bounces a relative variance of about 1/(384·ε).
-fn most_survival(bounce: u32) -> f32 {
-    let lost = match bounce {
-        0..ROULETTE_ALWAYS_FROM => return 1.0,
-        ROULETTE_ALWAYS_FROM..ROULETTE_HARDER_FROM => 1.0,
-        _ => 2.0,
-    };
-    1.0 - lost / bounce as f32
 }
 
 /// A vector whose length is 1 but for rounding, brought nearer to 1: one Newton step for 1/√x at x ≈ 1, which squares

@@ -110,14 +110,15 @@ impl MediumStack {
         self.innermost().map_or(1.0, |s| 1.0 / (s.ior * s.ior))
     }
 
-    /// The share of light that is left after `distance` in the innermost solid, per channel. No absorption gives
-    /// exactly 1, whatever the distance; full absorption gives 0, never NaN.
+    /// The share of light that is left after `distance` in the innermost solid, per channel, in [0, 1]. No absorption
+    /// gives exactly 1, whatever the distance, and so does no distance (a shadow ray to a light that is as good as
+    /// touched may have a length below 0) however strong the absorption; full absorption gives 0, never NaN.
     pub fn transmittance(&self, distance: f32) -> Vec3 {
         let Some(inside) = self.innermost() else {
             return Vec3::ONE;
         };
         let channel = |sigma: f32| {
-            if sigma > 0.0 {
+            if sigma > 0.0 && distance > 0.0 {
                 crate::math::portable::exp(-sigma * distance)
             } else {
                 1.0
@@ -145,13 +146,52 @@ mod tests {
         assert!(m.is_empty());
     }
 
-    /// Beer–Lambert at its ends: σ = 0 over an infinite way, a huge optical depth.
+    fn through(sigma: f32, distance: f32) -> f32 {
+        let mut m = MediumStack::default();
+        assert!(m.enter(0, 1.5, Vec3::splat(sigma)));
+        m.transmittance(distance).x
+    }
+
+    /// Beer–Lambert at its ends: nothing absorbs over any way, anything over no way; the rest ends at 0.
     #[test]
     fn absorption_is_exact_at_its_ends() {
         let mut m = MediumStack::default();
         assert!(m.enter(0, 1.5, Vec3::new(0.0, 1e33, 0.5)));
         assert_eq!(m.transmittance(f32::INFINITY), Vec3::new(1.0, 0.0, 0.0));
-        assert!((m.transmittance(2.0).z - (-1.0f32).exp()).abs() < 1e-6);
+        for distance in [-1.0, -1e-30, 0.0, 1e-30, 1.0, 1e6, 1e38, f32::INFINITY] {
+            assert_eq!(through(0.0, distance), 1.0, "nothing absorbs over {distance}");
+        }
+        for sigma in [1e-45, 1.0, 1e6, 1e33, f32::INFINITY] {
+            for distance in [-1e30, -1e-6, 0.0] {
+                assert_eq!(through(sigma, distance), 1.0, "{sigma} over {distance}");
+            }
+            assert_eq!(through(sigma, f32::INFINITY), 0.0, "{sigma} over an infinite way");
+        }
+    }
+
+    /// Oracle: f64. The optical depth has one rounding, which changes the result by u times that depth; the
+    /// exponential is right to one unit in the last place, 2u; below the normal numbers steps of 2⁻¹⁴⁹ are left.
+    #[test]
+    fn absorption_matches_f64_over_all_depths() {
+        let u = f64::from(crate::math::robust::UNIT_ROUNDOFF);
+        for sigma in [1e-33, 1e-9, 1e-3, 0.1, 0.7, 1.0, 30.0, 1e6, 1e33f32] {
+            let mut last = 1.0;
+            for i in 0..=1400 {
+                let distance = 10f64.powf(f64::from(i) / 20.0 - 35.0) as f32;
+                let depth = f64::from(sigma) * f64::from(distance);
+                let (found, exact) = (f64::from(through(sigma, distance)), (-depth).exp());
+                let allowed = exact * u * (depth + 2.0) + 2f64.powi(-149);
+                assert!(
+                    (found - exact).abs() <= allowed,
+                    "{sigma} over {distance}: {found}, exactly {exact}"
+                );
+                assert!(
+                    (0.0..=last).contains(&found),
+                    "{sigma} over {distance}: {found} after {last}"
+                );
+                last = found;
+            }
+        }
     }
 
     /// Against a plain list, with solids entered and left in any order, deeper than what is at hand.
@@ -162,7 +202,7 @@ mod tests {
         let ior = |object: u32| 1.0 + object as f32;
         for _ in 0..20_000 {
             let object = rng.next_u32() % 20;
-            if rng.next_u32() % 2 == 0 && list.len() < 30 {
+            if rng.next_u32().is_multiple_of(2) && list.len() < 30 {
                 assert!(m.enter(object, ior(object), Vec3::ZERO));
                 list.push(object);
             } else {

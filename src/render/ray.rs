@@ -32,7 +32,7 @@ pub mod ray_mask {
 }
 
 /// A half line; hits count for 0 < t < `t_max`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Start, already offset from the surface it leaves.
     pub origin: Vec3,

@@ -250,6 +250,43 @@ mod tests {
         }
     }
 
+    /// Exactly: each of the 2¹³ largest and smallest integers gives its 24 high bits, and none gives 1. A plain
+    /// conversion of the integer gives 1 for the 128 largest.
+    #[test]
+    fn random_numbers_never_reach_one() {
+        let largest = 1.0 - 2f64.powi(-24);
+        for k in 0..=1 << 13 {
+            for x in [k, u32::MAX - k] {
+                let found = unit_f32(x);
+                assert_eq!(f64::from(found), f64::from(x >> 8) * 2f64.powi(-24), "{x}");
+                assert!(f64::from(found) <= largest, "{x} gives {found}");
+            }
+        }
+        assert!((u32::MAX - 127..=u32::MAX).all(|x| x as f32 * 2f32.powi(-32) == 1.0));
+        assert_eq!(f64::from(unit_f32(u32::MAX)), largest);
+    }
+
+    /// All numbers of all kinds are made of integers in that way: stratified ones in the last stratum as well. Of 2¹⁶
+    /// points of a net one has the largest stratum of each coordinate, wherever in it.
+    #[test]
+    fn no_kind_of_number_reaches_one() {
+        let n = 1u32 << 16;
+        for kind in [SamplerKind::Sobol, SamplerKind::Independent] {
+            let mut in_last = [0; 4];
+            for sample in (0..n).chain(u32::MAX - 100..=u32::MAX) {
+                let s = Sampler::of_kind(kind, 3, 5, u64::from(sample), 1);
+                let numbers = s.get4(1, Group::Primary);
+                for u in numbers.into_iter().chain(s.repeated4(2, Group::Light, sample & 0xffff)) {
+                    assert!((0.0..1.0).contains(&u), "{kind:?}, sample {sample}: {u}");
+                }
+                for (count, u) in in_last.iter_mut().zip(numbers) {
+                    *count += u32::from(sample < n && u >= 1.0 - 1.0 / n as f32);
+                }
+            }
+            assert!(kind != SamplerKind::Sobol || in_last == [1; 4], "{in_last:?}");
+        }
+    }
+
     /// A number far beyond 2¹⁶ samples and at a deep bounce is as good as any: no wrap.
     #[test]
     fn late_samples_and_deep_bounces_do_not_repeat() {

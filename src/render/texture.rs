@@ -36,6 +36,11 @@ impl ImageData {
         (count > 0 && texels.len() == count).then_some(ImageData { width, height, texels })
     }
 
+    /// Memory that the texels take.
+    pub fn bytes(&self) -> u64 {
+        self.texels.len() as u64 * self.texels.bytes_per_texel() as u64
+    }
+
     /// Columns.
     pub fn width(&self) -> u32 {
         self.width

@@ -5,11 +5,11 @@
 //! the effect plays no part. The differences are therefore taken seed by seed, and their spread over the seeds says
 //! what noise is: an effect that does nothing comes out as exactly no difference.
 
-use super::effects::Effect;
 use super::experiment::Ablation;
 use super::metrics::mean_flip;
 use super::workshop::{Clock, Compiled, Order, Shot, Stopped, Workshop};
 use super::{Image, blocks::NoiseTest, luminance};
+use crate::compile::effects::Effect;
 use crate::diag::Diagnostics;
 use crate::files::Files;
 use crate::render::technique::Technique;
@@ -65,12 +65,12 @@ impl Weighing<'_> {
         let mut weighed = Weighed::default();
         let mut scales = Vec::new();
         for effect in self.effects {
-            let cut = effect.without(self.scene, &self.technique, self.files);
+            let cut = effect.left_out(self.scene, &self.technique, self.files);
             match workshop.compile_other(&cut.scene, &cut.technique, &mut Diagnostics::default()) {
                 Ok(compiled) => scales.push(Scale::new(*effect, compiled, cut.technique)),
                 Err(reason) => weighed
                     .notes
-                    .push(format!("effect {}: {reason} without it", effect.name)),
+                    .push(format!("effect {}: {reason} without it", effect.word())),
             }
         }
         let runs = (self.seeds.len() * (scales.len() + 1)) as f64;
@@ -120,7 +120,7 @@ impl Weighing<'_> {
             };
             let with = workshop.shoot(&order(self.technique, "all effects"))?;
             for scale in scales.iter_mut() {
-                let without = workshop.shoot_other(&scale.compiled, &order(scale.technique, scale.effect.name))?;
+                let without = workshop.shoot_other(&scale.compiled, &order(scale.technique, scale.effect.word()))?;
                 scale.add(&with, &without);
             }
             let is_last = round + 1 == self.seeds.len();
@@ -188,7 +188,7 @@ impl Scale {
         let (with, without) = self.pictures(n);
         let test = NoiseTest::of(&with, &without, BLOCK_SIDE);
         Some(Ablation {
-            effect: self.effect.name.to_owned(),
+            effect: self.effect.word().to_owned(),
             time: 1.0 - log.exp(),
             time_se: log_se * log.exp(),
             energy,

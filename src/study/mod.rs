@@ -4,14 +4,13 @@
 //! [`metrics::compare`] gives all numbers at once, [`heatmap`] shows where they come from. The pieces, [`flip`] and
 //! [`blocks`], can be used alone. Nothing of this renders, and nothing knows how images were made.
 //!
-//! A study does render: [`runner::run`] takes a scene through [`axes`] and [`effects`], measures each picture with a
+//! A study does render: [`runner::run`] takes a scene through [`axes`] and [effects](crate::compile::effects), measures each picture with a
 //! [`yardstick`] and fills an [`experiment::Study`].
 
 pub mod ablation;
 pub mod axes;
 pub mod blocks;
 pub mod chart;
-pub mod effects;
 pub mod experiment;
 pub mod fit;
 pub mod flip;

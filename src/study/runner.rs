@@ -7,12 +7,13 @@ mod variants;
 
 use super::ablation::Weighing;
 use super::axes;
-use super::effects;
+
 use super::experiment::{Goal, Study};
 use super::ladder;
 use super::uses::Uses;
 use super::workshop::{Clock, Order, Stopped, Watch, Workshop};
 use super::{CompareError, Image};
+use crate::compile::effects::causes;
 use crate::diag::Diagnostics;
 use crate::files::Files;
 use crate::render::settings::Settings;
@@ -138,7 +139,7 @@ pub fn run(request: Request, watch: &dyn Watch, diags: &mut Diagnostics) -> Resu
     let (uses, compile_seconds) = (Uses::of(request.scene, &compiled.scene.lights), compiled.seconds);
     let per_sample = pilot(&mut workshop, &request)?;
     let effects = if request.ablation {
-        effects::of(&uses, &base)
+        causes::of(request.scene, &base).iter().collect()
     } else {
         Vec::new()
     };

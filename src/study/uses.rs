@@ -3,10 +3,12 @@
 //! Read from the description, which tells every cause; materials that nothing refers to do not count. What cannot be
 //! excluded counts as used: an axis that turns out to change nothing costs time, a missing one hides something.
 
+use crate::compile::effects::image_inputs;
+use crate::compile::unused::Reached;
 use crate::render::light::LightSet;
 use crate::scene::{
-    Environment, EnvironmentKind, Material, MaterialId, Object, OpacityMode, Principled, Scene, Shape, SurfaceModel,
-    Texture, TextureId,
+    Environment, EnvironmentKind, Material, Object, OpacityMode, Principled, Scene, Shape, SurfaceModel, Texture,
+    TextureId,
 };
 use std::collections::BTreeSet;
 
@@ -58,7 +60,7 @@ impl Uses {
             many_shapes: is_beyond(scene, FEW_SHAPES),
             ..Uses::default()
         };
-        for id in materials(scene) {
+        for id in Reached::from(scene).materials {
             if let Some(material) = scene.materials.get(id.index()) {
                 uses.add(scene, material);
             }
@@ -133,46 +135,6 @@ fn is_beyond(scene: &Scene, few: usize) -> bool {
     scene.objects.iter().map(weight).sum::<usize>() > few
 }
 
-/// The materials that something drawn has, parts of mixtures included.
-pub fn materials(scene: &Scene) -> BTreeSet<MaterialId> {
-    let mut found: BTreeSet<MaterialId> = scene.default_material.into_iter().collect();
-    let mut groups = BTreeSet::new();
-    let mut queue: Vec<&Object> = scene.objects.iter().collect();
-    while let Some(object) = queue.pop() {
-        found.extend(object.material);
-        match object.shape {
-            Shape::Mesh(id) => {
-                let mesh = scene.meshes.get(id.index());
-                found.extend(mesh.into_iter().flat_map(|m| m.materials.iter().copied().flatten()));
-            }
-            Shape::Group(id) if groups.insert(id) => {
-                queue.extend(scene.groups.get(id.index()).into_iter().flat_map(|g| &g.objects));
-            }
-            _ => {}
-        }
-    }
-    let mut parts: Vec<MaterialId> = found.iter().copied().collect();
-    while let Some(id) = parts.pop() {
-        if let Some(SurfaceModel::Mix { a, b, .. }) = scene.materials.get(id.index()).map(|m| &m.surface) {
-            parts.extend([*a, *b].into_iter().filter(|part| found.insert(*part)));
-        }
-    }
-    found
-}
-
-/// The textures of a material that colour it, normal maps and coverage left out.
-pub fn image_inputs(material: &Material) -> Vec<TextureId> {
-    let mut plain = material.clone();
-    plain.opacity.alpha.texture = None;
-    plain.normal_map = None;
-    if let SurfaceModel::Principled(p) = &mut plain.surface {
-        p.clearcoat_normal = None;
-    }
-    let mut found = Vec::new();
-    plain.each_texture(&mut |t| found.push(t));
-    found
-}
-
 /// Whether an image is behind a texture; products may be nested.
 fn has_image(scene: &Scene, texture: TextureId) -> bool {
     let (mut queue, mut seen) = (vec![texture], BTreeSet::new());
@@ -189,7 +151,7 @@ fn has_image(scene: &Scene, texture: TextureId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{ImageId, ImageTexture};
+    use crate::scene::{ImageId, ImageTexture, MaterialId};
     use glam::{DAffine2, DVec3, DVec4};
 
     fn sphere(material: MaterialId) -> Object {
@@ -231,7 +193,7 @@ mod tests {
         let weight = 0.5.into();
         let mix = scene.add_material(Material::new(SurfaceModel::Mix { a, b, weight }));
         scene.objects.push(sphere(mix));
-        assert_eq!(materials(&scene), [a, b, mix].into());
+        assert_eq!(Reached::from(&scene).materials, [a, b, mix].into());
         assert!(Uses::of(&scene, &LightSet::default()).dielectrics);
     }
 

@@ -70,6 +70,24 @@ fn flattened_nodes_are_not_drawn_and_hidden_ones_hide_their_children() {
     assert_eq!(m.codes(), ["G0507"]);
 }
 
+/// A quaternion of length 2 is the rotation of its direction; of length 0 it is none, told elsewhere.
+#[test]
+fn rotations_of_any_length_turn_and_do_not_stretch() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let turned = |length: f64| {
+        let mut m = Model::triangle();
+        m.json["nodes"] = json!([{"mesh": 0, "rotation": [0, half * length, 0, half * length]}]);
+        let map = m.load().objects[0].transform.matrix3;
+        assert!(m.codes().is_empty(), "{:?}", m.codes());
+        map
+    };
+    for length in [1.0, 2.0, 1e-3, 1e6] {
+        let off = (turned(length) - glam::DMat3::from_rotation_y(std::f64::consts::FRAC_PI_2)).to_cols_array();
+        // Normalisation and the nine sums of two products: some ten roundings of f64.
+        assert!(off.iter().all(|x| x.abs() <= 10.0 * f64::EPSILON), "{length}: {off:?}");
+    }
+}
+
 #[test]
 fn instances_multiply_the_node() {
     let mut m = Model::triangle();

@@ -10,7 +10,7 @@ const LAMP: DVec3 = DVec3::new(0.3, 2.0, -0.2);
 const ALBEDO: f64 = 0.5;
 
 /// The picture whose radiance at the floor's point is `radiance`: the mean over each pixel by the midpoint rule.
-fn expected(radiance: impl Fn(DVec3) -> f64) -> Estimate {
+pub fn expected(radiance: impl Fn(DVec3) -> f64) -> Estimate {
     const SUB: usize = 8;
     let at = |k: usize| 2.0 * (k as f64 + 0.5) / (SIZE * SUB) as f64 - 1.0;
     let pixel = |i: usize| {

@@ -2,6 +2,7 @@
 
 use crate::cli::choices::FilterKind;
 use crate::cli::values;
+use crate::compile::effects::Effect;
 use crate::render::technique::{
     BuildPreset, Direct, FresnelModel, LightPick, Roulette, SamplerKind, Technique, TextureFilter,
 };
@@ -62,9 +63,25 @@ pub struct SamplingArgs {
     /// Leave out light that reaches rough surfaces by way of mirrors or glass.
     #[arg(long, help_heading = BIASED)]
     pub no_caustics: bool,
+    /// Leave effects out, whatever the scene calls for: the picture is then not the scene as written. Can be repeated.
+    #[arg(long, value_name = "EFFECT,…", value_delimiter = ',', value_parser = values::effect(), help_heading = BIASED)]
+    pub without: Vec<Effect>,
 }
 
 impl SamplingArgs {
+    /// The effects that are left out, as the flag that says so; `None` for none.
+    pub fn without_flag(&self) -> Option<String> {
+        let words: Vec<&str> = self.without.iter().map(|e| e.word()).collect();
+        (!words.is_empty()).then(|| format!("--without {}", words.join(",")))
+    }
+
+    /// The flags that bias the picture.
+    pub fn biased(&self) -> Vec<String> {
+        let mut flags = self.technique().biased();
+        flags.extend(self.without_flag());
+        flags
+    }
+
     /// What trades accuracy for time. A limit of bounces that stands only in the scene belongs to the picture that is
     /// asked for, and is not among these.
     pub fn technique(&self) -> Technique {

@@ -238,17 +238,20 @@ impl Interp<'_> {
             let Some(axis) = view.try_normalize() else {
                 return Err(self.error("P0315", c.span, "camera looks at its own location"));
             };
-            let side = match c.sky.cross(axis).try_normalize() {
+            // The sine of the angle between the two; below a few roundings it has no direction of its own.
+            let across = c.sky.normalize_or_zero().cross(axis);
+            let side = match across.try_normalize().filter(|_| across.length() > 4.0 * f64::EPSILON) {
                 Some(side) => side,
                 // Looking straight along `sky`: any upright choice will do, POV-Ray's is the old right.
-                None => match up
-                    .cross(axis)
-                    .try_normalize()
-                    .or_else(|| direction.cross(axis).try_normalize())
-                {
-                    Some(side) => side,
-                    None => axis.any_orthonormal_vector(),
-                },
+                None => {
+                    let message = "the camera looks along `sky`, which then does not say where up is; \
+                                   another axis is taken";
+                    self.warn_once("P0413", c.span, message);
+                    up.cross(axis)
+                        .try_normalize()
+                        .or_else(|| direction.cross(axis).try_normalize())
+                        .unwrap_or_else(|| axis.any_orthonormal_vector())
+                }
             };
             up = axis.cross(side) * up_length;
             right = side * right_length * handed;

@@ -64,14 +64,9 @@ impl MeshTree {
             .filter(|b| !b.is_empty())
     }
 
-    /// Nodes of the tree.
-    pub fn node_count(&self) -> usize {
-        self.nodes.len()
-    }
-
-    /// Leaves of the tree, of up to four triangles each.
-    pub fn block_count(&self) -> usize {
-        self.blocks.len()
+    /// Memory that the tree takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
     }
 
     /// Offers the triangles that a ray in the tree's unit meets; with `any` it ends at the first that counts.
@@ -115,6 +110,12 @@ impl MeshTree {
     #[cfg(test)]
     pub fn pretend_deep(&mut self) {
         self.stack_need = 1000;
+    }
+
+    /// Levels of the tree.
+    #[cfg(test)]
+    pub fn depth(&self) -> usize {
+        self.stack_need.saturating_sub(1) / (super::node::WIDTH - 1)
     }
 
     /// Tests every triangle.

@@ -187,6 +187,11 @@ impl SceneTree {
         };
     }
 
+    /// Memory that the trees of all meshes take.
+    pub fn mesh_bytes(&self) -> usize {
+        self.meshes.iter().map(|m| m.bytes()).sum()
+    }
+
     /// The nearest hit. A ray towards a primitive (`ray.to`; `corners` are those of a mesh triangle in the mesh's own
     /// unit) ends where it meets that, see [`SceneTree::start`].
     #[inline(always)]
@@ -202,6 +207,21 @@ impl SceneTree {
     /// Whether anything blocks the ray.
     #[inline(always)]
     pub fn occluded(&self, ray: &Ray, corners: Option<[Vec3; 3]>) -> bool {
+        if ray.to != PrimRef::NONE && self.planes.is_empty() && self.nodes.is_empty() {
+            // All spheres are looked at together: the one that the ray is sent to costs nothing there.
+            let free = Ray {
+                to: PrimRef::NONE,
+                t_max: f32::INFINITY,
+                ..*ray
+            };
+            let nearest = self.dispatch::<false>(&free, Candidates::new(&free));
+            if !nearest.found() || nearest.prim == ray.to {
+                return false;
+            }
+            if nearest.exact < f64::from(ray.t_max) {
+                return true;
+            }
+        }
         self.dispatch::<true>(ray, self.start(ray, corners)).found()
     }
 

@@ -168,4 +168,67 @@ mod tests {
             }
         }
     }
+
+    /// A ray in the plane of a slab: (plane − start)·(1/0) is 0·∞, which is no number. Whichever axis it is and on whichever
+    /// side, what the other two say stands, in every version: as first, middle and last operand of the maximum and of the
+    /// minimum.
+    #[test]
+    fn a_quotient_without_value_keeps_what_the_other_axes_say() {
+        // The other axes meet the box where 1 ≤ t ≤ 2, or 3 ≤ t ≤ 2, which is nowhere.
+        for (entry, hit) in [(1.0, true), (3.0, false)] {
+            for axis in 0..3 {
+                for zero in [0.0f32, -0.0] {
+                    for (nan_near, nan_far) in [(true, false), (false, true), (true, true)] {
+                        let plane =
+                            |a: usize, value: f32, nan: bool| [if a == axis && nan { 0.0 } else { value }; WIDTH];
+                        let near = [0, 1, 2].map(|a| plane(a, entry, nan_near));
+                        let far = [0, 1, 2].map(|a| plane(a, 2.0, nan_far));
+                        let inverse = |nan: bool| {
+                            let mut v = [1.0f32; 3];
+                            if nan {
+                                v[axis] = 1.0 / zero;
+                            }
+                            v
+                        };
+                        let test = BoxTest {
+                            entered: [&near[0], &near[1], &near[2]],
+                            left: [&far[0], &far[1], &far[2]],
+                            near_origin: &[0.0; 3],
+                            far_origin: &[0.0; 3],
+                            inverse: &inverse(nan_near),
+                            far_inverse: &inverse(nan_far),
+                            t_max: 10.0,
+                        };
+                        let want = (if hit { 255 } else { 0 }, [entry; WIDTH]);
+                        assert_eq!(meet_by_lane(&test), want, "axis {axis}");
+                        assert_eq!(Baseline::meet(&test), want, "axis {axis}");
+                        if std::arch::is_x86_feature_detected!("avx2") {
+                            // SAFETY: just detected.
+                            #[allow(unsafe_code)]
+                            let wide = unsafe { meet_wide(&test) };
+                            assert_eq!(wide, want, "axis {axis}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// A start without a number meets every box, so that the primitives decide; an end without one meets none.
+    #[test]
+    fn not_a_number_as_start_meets_all_boxes_and_as_end_none() {
+        let plane = [0.5f32; WIDTH];
+        for (start, t_max, met) in [(f32::NAN, 1.0, 255), (0.0, f32::NAN, 0)] {
+            let test = BoxTest {
+                entered: [&plane; 3],
+                left: [&plane; 3],
+                near_origin: &[start; 3],
+                far_origin: &[start; 3],
+                inverse: &[1.0; 3],
+                far_inverse: &[1.0; 3],
+                t_max,
+            };
+            assert_eq!((meet_by_lane(&test).0, Baseline::meet(&test).0), (met, met));
+        }
+    }
 }

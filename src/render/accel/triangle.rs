@@ -116,9 +116,12 @@ impl ShearedRay {
             return;
         }
         let doubtful = (u.cmpeq(zero) | v.cmpeq(zero) | w.cmpeq(zero)).bitmask();
-        let inv = Vec4::ONE / (u + v + w);
+        // Lines that pass far beside a small mesh overflow: sums that are no numbers have no sign and are no hits.
+        let det = u + v + w;
+        let sensible = det.abs().cmplt(Vec4::INFINITY).bitmask();
+        let inv = Vec4::ONE / det;
         let (b1, b2) = (v * inv, w * inv);
-        let mut hits = !beside & ALL_LANES;
+        let mut hits = !beside & sensible & ALL_LANES;
         while hits != 0 {
             let i = hits.trailing_zeros() as usize & (LANES - 1);
             hits &= hits - 1;

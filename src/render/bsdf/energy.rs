@@ -5,12 +5,16 @@
 //! The tables are computed once, on first use, by a fixed quadrature over visible normals, the same on every machine.
 //! Axes are stretched to where the functions bend: t with cosθ = t², roughness = √α, q with q² = (η−1)/(η+1).
 
-use super::fresnel::{fresnel_dielectric, schlick_weight};
+use super::fresnel::fresnel_dielectric;
 use super::microfacet::{ALPHA_DELTA, Ggx};
 use super::unit;
 use crate::math::robust::sqrt_of_nonnegative;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
+
+mod white;
+
+pub use white::{schlick_albedo, schlick_mean};
 
 /// Nodes along the axis of indices.
 const INDICES: usize = 12;
@@ -26,6 +30,12 @@ pub(super) fn locate(x: f32, n: usize) -> (usize, f32) {
     let s = unit(x) * (n - 1) as f32;
     let i = (s as usize).min(n - 2);
     (i, s - i as f32)
+}
+
+/// [`locate`] on the roughness axis. Before the first node values follow α itself, not its root.
+fn locate_width(alpha: f32, n: usize) -> (usize, f32) {
+    let (j, v) = locate(unit(alpha).sqrt(), n);
+    (j, if j == 0 { v * v } else { v })
 }
 
 fn lerp(a: f32, b: f32, w: f32) -> f32 {
@@ -58,7 +68,7 @@ impl<const N: usize> Plane<N> {
 
     fn at(&self, cos: f32, alpha: f32) -> f32 {
         let (i, w) = locate(cos.max(0.0).sqrt(), N);
-        let (j, v) = locate(alpha.max(0.0).sqrt(), N);
+        let (j, v) = locate_width(alpha, N);
         let (low, high) = (&self.values[j], &self.values[j + 1]);
         lerp(lerp(low[i], low[i + 1], w), lerp(high[i], high[i + 1], w), v)
     }
@@ -69,7 +79,7 @@ impl<const N: usize> Plane<N> {
 }
 
 fn mean_at<const N: usize>(means: &[f32; N], alpha: f32) -> f32 {
-    let (j, v) = locate(alpha.max(0.0).sqrt(), N);
+    let (j, v) = locate_width(alpha, N);
     lerp(means[j], means[j + 1], v)
 }
 
@@ -132,48 +142,6 @@ fn weight(ggx: Ggx, cos_o: f32, cos_i: f32) -> f32 {
 /// Cosine of the mirror direction of `wo` at a facet.
 fn mirrored_cosine(wo: Vec3, m: Vec3) -> f32 {
     2.0 * wo.dot(m) * m.z - wo.z
-}
-
-/// Split by Schlick: E = f0·base + f90·edge.
-struct SchlickTables {
-    base: Plane<FINE>,
-    edge: Plane<FINE>,
-}
-
-static SCHLICK: LazyLock<SchlickTables> = LazyLock::new(|| {
-    let mut base = [[0.0; FINE]; FINE];
-    let mut edge = [[0.0; FINE]; FINE];
-    for j in 0..FINE {
-        for i in 0..FINE {
-            let (wo, ggx) = entry::<FINE>(i, j);
-            let (mut b, mut e) = (0.0, 0.0);
-            for_visible_normals(wo, ggx, |m, share| {
-                let w = share * weight(ggx, wo.z, mirrored_cosine(wo, m));
-                let s = schlick_weight(wo.dot(m));
-                b += w * (1.0 - s);
-                e += w * s;
-            });
-            base[j][i] = b;
-            edge[j][i] = e;
-        }
-    }
-    SchlickTables {
-        base: Plane::new(base),
-        edge: Plane::new(edge),
-    }
-});
-
-/// Albedo (base, edge) of rough mirror facets under Schlick's curve: E = f0·base + f90·edge. base + edge is the albedo
-/// of facets that reflect all.
-pub fn schlick_albedo(cos: f32, alpha: f32) -> (f32, f32) {
-    let t = &*SCHLICK;
-    (t.base.at(cos, alpha), t.edge.at(cos, alpha))
-}
-
-/// Cosine-weighted means over views of [`schlick_albedo`].
-pub fn schlick_mean(alpha: f32) -> (f32, f32) {
-    let t = &*SCHLICK;
-    (t.base.mean(alpha), t.edge.mean(alpha))
 }
 
 /// An index at each node of its axis: q from 0 to 1 with q² = (η−1)/(η+1), which is 1 … ∞.

@@ -2,7 +2,7 @@
 
 mod schedule;
 
-use super::camera::FilterSampler;
+use super::camera::{FilterSampler, place_in_picture};
 use super::estimate::{Bounded, ErrorEstimate, Wanted};
 use super::forecast::{Forecast, Look};
 use super::kernel::{Kernel, PathStats};
@@ -237,7 +237,6 @@ impl Run<'_> {
             ..
         } = tile;
         let taken = film.samples();
-        let (w, h) = (f64::from(self.settings.width), f64::from(self.settings.height));
         film.extend(self.settings.first + to, |pixel, index, out| {
             if let Some(clock) = clock {
                 clock.enter(pixel);
@@ -245,10 +244,9 @@ impl Run<'_> {
             let (x, y) = (*x0 + pixel as u32 % *width, *y0 + pixel as u32 / *width);
             let sampler = self.kernel.sampler(y * self.settings.width + x, index);
             let path = self.kernel.trace(&sampler, stats, |u| {
-                // The pixel's centre is exact; only the small offset inside it is random.
-                let px = (f64::from(x) + 0.5 - 0.5 * w) + f64::from(self.filter.offset(u[0]));
-                let py = (0.5 * h - f64::from(y) - 0.5) - f64::from(self.filter.offset(u[1]));
-                self.scene.camera.ray(px / w, py / h, glam::Vec2::new(u[2], u[3]))
+                let across = place_in_picture(x, self.settings.width, self.filter.offset(u[0]));
+                let down = place_in_picture(y, self.settings.height, self.filter.offset(u[1]));
+                self.scene.camera.ray(across, -down, glam::Vec2::new(u[2], u[3]))
             });
             out[0] = f64::from(path.radiance.x);
             out[1] = f64::from(path.radiance.y);

@@ -32,17 +32,19 @@ impl Sides<'_> {
         wi - self.ng * (2.0 * wi.dot(self.ng))
     }
 
+    #[inline(always)]
     fn is_flat(&self) -> bool {
         self.frame.n == self.ng
     }
 
     /// f·|cosθ| and density of a direction in the world.
+    #[inline(always)]
     pub fn eval_pdf(&self, wi: Vec3) -> (Vec3, f32) {
         let at = |wi: Vec3| self.bsdf.eval_pdf(self.wo, self.frame.to_local(wi));
-        let own = if self.agree(wi) { at(wi) } else { (Vec3::ZERO, 0.0) };
         if self.is_flat() {
-            return own;
+            return at(wi);
         }
+        let own = if self.agree(wi) { at(wi) } else { (Vec3::ZERO, 0.0) };
         let mirror = self.mirrored(wi);
         if self.agree(mirror) {
             return own;
@@ -53,6 +55,7 @@ impl Sides<'_> {
 
     /// Where a sample, whose direction is `wi` in the world, really goes, and its density there; `None` for a direction
     /// in the plane of the surface, which is on no side.
+    #[inline(always)]
     pub fn fold(&self, s: &BsdfSample, wi: Vec3) -> Option<(Vec3, f32)> {
         // By the sample's own side, not by that of `wi` after rounding.
         let crosses = (s.wi.z < 0.0) != (self.wo.z < 0.0);

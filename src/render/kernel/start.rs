@@ -9,9 +9,14 @@ use crate::render::scene::CompiledScene;
 use glam::Vec3;
 
 /// The solids around the camera, by walking a ray to infinity and looking from which side each is left.
+///
+/// The ray goes where the camera looks: a camera that stands in the very surface of a solid is then inside of it if its
+/// picture shows the inside, and outside otherwise.
 pub(super) fn media_around_camera(scene: &CompiledScene) -> MediumStack {
-    // A direction that no axis-aligned face contains.
-    let dir = Vec3::new(0.267_261_24, 0.534_522_5, 0.801_783_7);
+    // A direction that no axis-aligned face contains: it leaves the view axis by 3° at most, so that the ray meets no
+    // edge or corner that the picture is centred on.
+    let aside = Vec3::new(0.267_261_24, 0.534_522_5, 0.801_783_7);
+    let dir = (scene.camera.axis() + aside * 0.05).normalize();
     let mut ray = Ray::new(Vec3::ZERO, dir);
     let mut left_from_inside = Vec::new();
     let mut open: Vec<u32> = Vec::new();

@@ -82,3 +82,30 @@ impl Table {
         end - start
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::robust::ONE_MINUS;
+
+    /// The longer number lies in the step of the short one it came from, and below 1 also after the longest; what is left
+    /// over after a choice is below 1 as well.
+    #[test]
+    fn longer_numbers_stay_below_one_and_in_their_step() {
+        let step = 2f64.powi(-24);
+        for k in 0..1u32 << 12 {
+            for u in [k as f32 / 16_777_216.0, ONE_MINUS - k as f32 / 16_777_216.0] {
+                for salt in [0, 1, 0x8000_0000, u32::MAX, k.wrapping_mul(0x9e37_79b9)] {
+                    let x = extend(u, salt);
+                    assert!(
+                        x < 1.0 && x >= f64::from(u) && x <= f64::from(u) + step,
+                        "{u}, {salt}: {x}"
+                    );
+                    for (a, b) in [(0.0, 1.0), (0.0, x + 1e-18), (x - 1e-9, x + f64::EPSILON), (x, x)] {
+                        assert!((0.0..1.0).contains(&remap(x, a, b)), "{x} between {a} and {b}");
+                    }
+                }
+            }
+        }
+    }
+}

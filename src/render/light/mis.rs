@@ -33,8 +33,9 @@ mod tests {
     fn weights_match_f64_and_sum_to_one_over_the_whole_range() {
         let mut rng = Pcg::new(11);
         for _ in 0..1_000_000 {
-            let a = 10f64.powf(76.0 * rng.next_f64() - 38.0) as f32;
-            let b = 10f64.powf(76.0 * rng.next_f64() - 38.0) as f32;
+            // From the smallest subnormal number, 1.4e-45, to the largest of all, 3.4e38.
+            let mut draw = || 10f64.powf(83.38 * rng.next_f64() - 44.85) as f32;
+            let (a, b) = (draw(), draw());
             let (wa, wb) = (mis_weight(a, b), mis_weight(b, a));
             assert!((wa + wb - 1.0).abs() <= 4.0 * UNIT_ROUNDOFF, "{a} {b}: {wa} + {wb}");
             let exact = f64::from(a).powi(2) / (f64::from(a).powi(2) + f64::from(b).powi(2));
@@ -49,10 +50,22 @@ mod tests {
 
     #[test]
     fn a_delta_takes_all_and_the_impossible_nothing() {
-        assert_eq!(mis_weight(f32::INFINITY, 3.0), 1.0);
-        assert_eq!(mis_weight(3.0, f32::INFINITY), 0.0);
-        assert_eq!(mis_weight(0.0, 0.0), 0.0);
-        assert_eq!(mis_weight(1e-38, 0.0), 1.0);
+        for pdf in [f32::from_bits(1), 1e-38, 3.0, 1e38, f32::MAX] {
+            assert_eq!(
+                (mis_weight(f32::INFINITY, pdf), mis_weight(pdf, f32::INFINITY)),
+                (1.0, 0.0)
+            );
+            assert_eq!((mis_weight(pdf, 0.0), mis_weight(0.0, pdf)), (1.0, 0.0));
+            assert_eq!(mis_weight(pdf, pdf), 0.5);
+        }
+        assert_eq!(
+            (mis_weight(0.0, 0.0), mis_weight(f32::INFINITY, f32::INFINITY)),
+            (0.0, 0.5)
+        );
+        assert_eq!(
+            (mis_weight(f32::INFINITY, 0.0), mis_weight(0.0, f32::INFINITY)),
+            (1.0, 0.0)
+        );
         assert!((mis_weight(3e19, 1e19) - 0.9).abs() < 4.0 * UNIT_ROUNDOFF); // the squares would overflow
     }
 }

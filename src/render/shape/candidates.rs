@@ -166,4 +166,26 @@ mod tests {
             assert_eq!(found.found(), hides, "{object} at {t}");
         }
     }
+
+    #[test]
+    fn faces_of_the_lamp_itself_block_only_well_before_its_end() {
+        let mut ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        ray.to = PrimRef { object: 5, prim: 0 };
+        ray.t_max = 1.9;
+        let mut end = Candidates::new(&Ray::new(Vec3::ZERO, Vec3::Z));
+        end.enter(5, &Ray::new(Vec3::ZERO, Vec3::Z));
+        end.offer(2.0, 0);
+        end.end_here(0.1); // as much as the rounding of its corners may be
+        for (object, face, t, hides) in [
+            (5, 1, 1.8, true),
+            (5, 1, 1.95, false),
+            (5, 0, 1.0, false),
+            (6, 1, 1.95, true),
+        ] {
+            let mut found = end;
+            found.enter(object, &ray);
+            found.offer(t, face);
+            assert_eq!(found.found(), hides, "{object}, {face} at {t}");
+        }
+    }
 }

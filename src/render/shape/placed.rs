@@ -34,8 +34,8 @@ impl Placed {
             o: self.object_from_world.transform_point3(o),
             d: self.object_from_world.transform_vector3(d),
         };
-        if self.kind == Solid::Sphere {
-            return self.kind.intersect(line, 0.0, found); // its own form does not mind the distance
+        if matches!(self.kind, Solid::Sphere | Solid::Box { .. }) {
+            return self.kind.intersect(line, 0.0, found); // their own forms do not mind the distance
         }
         // Far away the squares of the distance would swallow the solid: start at the foot of the perpendicular.
         let center = self.kind.center();

@@ -4,7 +4,7 @@ use super::*;
 use crate::render::bsdf::energy::{fresnel_mean, schlick_albedo, solid_albedo};
 
 /// Share of light scattered towards `wo` under uniform light of 1, as flux (η² multiplied back), by 3D R-sequence points.
-fn furnace(bsdf: &Bsdf, wo: Vec3, points: u32) -> Vec3 {
+pub(super) fn furnace(bsdf: &Bsdf, wo: Vec3, points: u32) -> Vec3 {
     let mut sum = glam::DVec3::ZERO;
     for i in 0..points {
         let at = |a: f64| (0.5 + a * f64::from(i)).fract() as f32;
@@ -20,7 +20,7 @@ const VIEWS: [f32; 6] = [1.0, 0.8, 0.45, 0.2, 0.07, 0.01];
 const ALPHAS: [f32; 8] = [1e-4, 0.001, 0.02, 0.09, 0.25, 0.5, 0.77, 1.0];
 
 /// What is doubtful with few points is looked at again with many: the rare lobes of smooth surfaces are noisy.
-fn assert_returns(name: &str, bsdf: &Bsdf, cos: f32, low: f32, high: f32) {
+pub(super) fn assert_returns(name: &str, bsdf: &Bsdf, cos: f32, low: f32, high: f32) {
     let within = |e: Vec3| e.min_element() >= low && e.max_element() <= high;
     if !within(furnace(bsdf, incidence(cos), 10_000)) {
         let e = furnace(bsdf, incidence(cos), 400_000);

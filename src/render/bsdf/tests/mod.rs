@@ -1,7 +1,10 @@
 //! Tests of the contract that every model keeps: weights, symmetry and finiteness here, densities and energy beside.
 
 mod density;
+mod facets;
 mod furnace;
+mod interfaces;
+mod limits;
 
 use super::glossy::Coat;
 use super::microfacet::Ggx;

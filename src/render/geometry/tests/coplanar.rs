@@ -137,10 +137,13 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
             for (size, place) in spots(&mut rng) {
                 let map = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::splat(size)), place);
                 let geometry = single(mesh.clone(), map);
+                // Rounded corners tilt triangles of size 1/n by n·√3·2⁻²³ at most against each other: below, the lamp
+                // truly shades itself.
+                let tilt = f64::from(n) * 3f64.sqrt() * f64::from(f32::EPSILON);
                 for _ in 0..400 {
                     let triangle = rng.next_u32() % (2 * n * n);
                     let light = triangle_light(&mesh, &map, triangle);
-                    for (k, &angle) in ANGLES.iter().enumerate() {
+                    for (k, &angle) in ANGLES.iter().enumerate().filter(|a| *a.1 > tilt) {
                         let q = DVec3::new(signed(&mut rng), 0.0, signed(&mut rng)) * 0.5;
                         let p = map
                             .transform_point3(turn * q + beside(&turn, angle, &mut rng))
@@ -160,6 +163,7 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
                         let ray = Ray {
                             t_max: aim.t_max - (origin - p).length() * aim.slant,
                             to: aim.to,
+                            dir_low: aim.wi_low,
                             mask: ray_mask::SHADOW,
                             ..Ray::new(origin, aim.wi)
                         };
@@ -169,7 +173,7 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
             }
         }
     }
-    assert!(tried.iter().all(|&n| n > 10_000), "{tried:?}");
+    assert!(tried.iter().take(6).all(|&n| n > 10_000), "{tried:?}");
     assert_eq!(blocked, [0; ANGLES.len()], "of {tried:?}");
 }
 
@@ -223,6 +227,7 @@ fn a_box_lamp_does_not_shade_its_own_faces() {
                         let ray = Ray {
                             t_max: aim.t_max,
                             to: aim.to,
+                            dir_low: aim.wi_low,
                             mask: ray_mask::SHADOW,
                             ..Ray::new(p, aim.wi)
                         };
@@ -234,4 +239,50 @@ fn a_box_lamp_does_not_shade_its_own_faces() {
     }
     assert!(tried.iter().take(5).all(|&n| n > 10_000), "{tried:?}");
     assert_eq!(blocked, [0; ANGLES.len()], "of {tried:?}");
+}
+
+/// What hangs before a lamp, a ten-thousandth of its size away, does block: the end of a shadow ray is not short of it.
+/// 20·2⁻²⁴ times all lengths over the cosine are granted to the end, here at most 4e-5 across the lamp.
+#[test]
+fn what_is_close_before_a_lamp_still_blocks() {
+    let mut rng = Pcg::new(4);
+    let mut tried = 0;
+    for _ in 0..100 {
+        let turn = random_turn(&mut rng);
+        let lamp = tessellated(4, &turn);
+        let map = DAffine3::from_mat3_translation(DMat3::IDENTITY, in_cube(&mut rng) * 10.0);
+        let mut shade = map;
+        shade.translation += turn.y_axis * 1e-4;
+        let objects = [map, shade].map(|m| GeomObject::new(Shape::mesh(0, m), 0)).to_vec();
+        let geometry = Geometry::build(objects, vec![lamp.clone()]);
+        for i in 0..100 {
+            let light = triangle_light(&lamp, &map, i % 32);
+            // From above and near enough to meet the shade wherever the lamp is aimed at but at its rim.
+            let q = DVec3::new(signed(&mut rng), 0.0, signed(&mut rng)) * 3.0 + DVec3::Y * 0.3;
+            let p = map.transform_point3(turn * q).as_vec3();
+            let receiver = Receiver {
+                p,
+                n: Vec3::ZERO,
+                two_sided: true,
+            };
+            let Some(aim) = light.sample(&receiver, rng.next_vec2()) else {
+                continue;
+            };
+            let aimed =
+                turn.transpose() * (p.as_dvec3() + aim.wi.as_dvec3() * f64::from(aim.distance) - map.translation);
+            if aimed.abs().max_element() > 0.49 {
+                continue;
+            }
+            tried += 1;
+            let ray = Ray {
+                t_max: aim.t_max,
+                to: aim.to,
+                dir_low: aim.wi_low,
+                mask: ray_mask::SHADOW,
+                ..Ray::new(p, aim.wi)
+            };
+            assert!(geometry.occluded(&ray), "{ray:?}");
+        }
+    }
+    assert!(tried > 5000, "{tried}");
 }

@@ -3,12 +3,16 @@
 mod agreement;
 mod coplanar;
 mod exact;
+mod extremes;
 mod invariance;
 mod mesh_properties;
+mod patterns;
 mod placing;
+mod planes;
 mod properties;
 mod reintersection;
 mod solids;
+mod sphere_reference;
 mod spheres;
 mod support;
 mod truth;

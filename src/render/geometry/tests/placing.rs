@@ -100,7 +100,7 @@ impl Placing {
         let start = map.transform_point3(direction(rng).as_dvec3() * away).as_vec3();
         let target = map.transform_point3(in_cube(rng) * 0.9);
         let mut dir = (target - start.as_dvec3()).as_vec3();
-        if i % 3 == 0 {
+        if i.is_multiple_of(3) {
             dir = dir.try_normalize().unwrap_or(dir);
         }
         Ray::new(start, dir)

@@ -31,7 +31,11 @@ fn a_plane_reaches_to_the_horizon() {
                 let ray = Ray::new(eye, dir);
                 let hit = floor.closest(&ray).expect("it goes down");
                 let exact = (Dd::new(-eye.y) / Dd::new(dir.y)).value();
-                assert!((f64::from(hit.t) - exact).abs() <= 2.0 * U * exact, "{} instead of {exact}", hit.t);
+                assert!(
+                    (f64::from(hit.t) - exact).abs() <= 2.0 * U * exact,
+                    "{} instead of {exact}",
+                    hit.t
+                );
                 let s = floor.surface(&ray, &hit);
                 assert!(s.p.y.abs() <= s.p_error.y, "{s:?}");
                 // Up, and exactly level, there is nothing.
@@ -53,7 +57,11 @@ fn rays_leave_a_plane_on_the_right_side() {
             let mut rng = Pcg::new(100 + block);
             let distance = [1e-6, 1e-2, 1.0, 1e2, 1e4, 1e6, 1e8][block as usize % 7] * signed(&mut rng);
             let normal = direction(&mut rng).as_dvec3().normalize();
-            let normal = if block % 3 == 0 { DVec3::AXES[block as usize % 9 / 3] } else { normal };
+            let normal = if block % 3 == 0 {
+                DVec3::AXES[block as usize % 9 / 3]
+            } else {
+                normal
+            };
             let geometry = plane(normal, distance);
             let n = Exact3::new(normal);
             let mut wrong = 0;

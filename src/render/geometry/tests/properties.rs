@@ -194,7 +194,7 @@ fn judge_all(seed: u64, cases: u32, least: [usize; 3], make: impl Fn(&Placing) -
 
 #[test]
 fn spheres_of_any_size_anywhere() {
-    judge_all(1, 3000, [5000, 20_000, 5000], |p| {
+    judge_all(1, 8000, [5000, 20_000, 5000], |p| {
         let shape = Shape::Sphere {
             center: p.place,
             radius: p.size,
@@ -205,7 +205,7 @@ fn spheres_of_any_size_anywhere() {
 
 #[test]
 fn planes_of_any_slope_anywhere() {
-    judge_all(2, 3000, [5000, 20_000, 0], |p| {
+    judge_all(2, 8000, [5000, 20_000, 0], |p| {
         let normal = p.linear.x_axis.normalize();
         let distance = normal.dot(p.place);
         (Shape::Plane { normal, distance }, Kind::Sheet)
@@ -218,12 +218,12 @@ fn solids(seed: u64, cases: u32, least: [usize; 3], kind: Kind, solid: impl Fn(&
 
 #[test]
 fn ellipsoids_under_any_map() {
-    solids(3, 2000, [3000, 10_000, 3000], Kind::Convex, |_| Solid::Sphere);
+    solids(3, 6000, [3000, 10_000, 3000], Kind::Convex, |_| Solid::Sphere);
 }
 
 #[test]
 fn boxes_under_any_map() {
-    solids(4, 2000, [3000, 10_000, 3000], Kind::Convex, |_| Solid::Box {
+    solids(4, 6000, [3000, 10_000, 3000], Kind::Convex, |_| Solid::Box {
         min: DVec3::new(-1.0, -0.5, -0.7),
         max: DVec3::ONE,
     });
@@ -231,7 +231,7 @@ fn boxes_under_any_map() {
 
 #[test]
 fn flat_boxes_under_any_map() {
-    solids(5, 2000, [2000, 10_000, 0], Kind::Sheet, |p| {
+    solids(5, 6000, [2000, 10_000, 0], Kind::Sheet, |p| {
         let mut half = DVec3::ONE;
         half[(p.seed % 3) as usize] = 0.0;
         Solid::Box { min: -half, max: half }
@@ -240,10 +240,10 @@ fn flat_boxes_under_any_map() {
 
 #[test]
 fn cylinders_under_any_map() {
-    solids(6, 2000, [3000, 10_000, 3000], Kind::Convex, |_| Solid::Cylinder {
+    solids(6, 6000, [3000, 10_000, 3000], Kind::Convex, |_| Solid::Cylinder {
         open: false,
     });
-    solids(7, 1500, [2000, 5000, 500], Kind::OpenConvex, |_| Solid::Cylinder {
+    solids(7, 4500, [2000, 5000, 500], Kind::OpenConvex, |_| Solid::Cylinder {
         open: true,
     });
 }
@@ -257,13 +257,13 @@ fn cones_under_any_map() {
             Solid::Cone { r0, r1, open }
         }
     };
-    solids(8, 2500, [3000, 10_000, 2000], Kind::Convex, cone(false));
-    solids(9, 1500, [1500, 5000, 300], Kind::OpenConvex, cone(true));
+    solids(8, 7500, [3000, 10_000, 2000], Kind::Convex, cone(false));
+    solids(9, 4500, [1500, 5000, 300], Kind::OpenConvex, cone(true));
 }
 
 #[test]
 fn discs_and_rings_under_any_map() {
-    solids(10, 2000, [2000, 10_000, 0], Kind::Sheet, |p| Solid::Disc {
+    solids(10, 6000, [2000, 10_000, 0], Kind::Sheet, |p| Solid::Disc {
         hole: [0.0, 0.5, 0.99][(p.seed % 3) as usize],
     });
 }

@@ -3,7 +3,8 @@
 use super::super::{GeomObject, Geometry};
 use super::support::*;
 use crate::math::stats::Pcg;
-use crate::render::ray::Ray;
+use crate::render::accel::scene::Instructions;
+use crate::render::ray::{Hit, Ray};
 use crate::render::shape::Shape;
 use glam::{DVec3, Vec3};
 
@@ -107,4 +108,32 @@ fn few_and_many_spheres_agree() {
         }
         assert_eq!(few.closest(&ray), many.closest(&ray), "{ray:?}");
     }
+}
+
+/// Scenes of spheres alone take a way of their own through the vector code: all instruction sets, bit for bit.
+#[test]
+fn all_instruction_sets_find_the_same_spheres() {
+    let mut rng = Pcg::new(4);
+    let mut hits = 0;
+    for count in [1, 3, 4, 5, 16] {
+        let spheres = (0..count).map(|_| Shape::Sphere {
+            center: in_cube(&mut rng) * 3.0,
+            radius: 10f64.powf(signed(&mut rng) * 3.0),
+        });
+        let fastest = Geometry::build(spheres.map(|s| GeomObject::new(s, 0)).collect(), Vec::new());
+        let mut baseline = fastest.clone();
+        baseline.use_instructions(Instructions::Baseline);
+        for i in 0..10_000 {
+            let mut ray = random_ray(&mut rng, 2.0);
+            if i % 3 == 0 {
+                ray.dir[i / 3 % 3] = 0.0;
+            }
+            let hit = fastest.closest(&ray);
+            let bits = |h: Option<Hit>| h.map(|h| (h.t.to_bits(), h.prim));
+            assert_eq!(bits(baseline.closest(&ray)), bits(hit), "{ray:?}");
+            assert_eq!(fastest.occluded(&ray), hit.is_some());
+            hits += usize::from(hit.is_some());
+        }
+    }
+    assert!(hits > 10_000, "{hits}");
 }

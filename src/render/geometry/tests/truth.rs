@@ -83,7 +83,7 @@ fn local(solid: &Solid, face: u32, p: Exact3) -> (Dd, DVec3, f64) {
         }
         Solid::Box { min, max } => {
             let axis = (face / 2) as usize;
-            let side = if face % 2 == 0 { min[axis] } else { max[axis] };
+            let side = if face.is_multiple_of(2) { min[axis] } else { max[axis] };
             (p.0[axis] - Dd::new(side), DVec3::AXES[axis], 0.0)
         }
         Solid::Disc { .. } => (y, DVec3::Y, 0.0),

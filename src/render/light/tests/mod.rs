@@ -2,11 +2,13 @@
 
 mod choosing;
 mod densities;
+mod flat;
 mod irradiance;
 mod lamps;
 mod sky;
 mod spheres;
 mod strategies;
+mod tables;
 
 use super::*;
 use crate::math::frame::Frame;

@@ -132,3 +132,24 @@ fn unusable_images_are_refused_and_bad_values_are_dark() {
     assert_eq!(dark.radiance(Vec3::X), Vec3::ZERO);
     assert!(dark.sample(&receiver(Vec3::ZERO, Vec3::Z), Vec2::splat(0.4)).is_none());
 }
+
+/// Catalogue of hard cases H 49: at the poles the density is that of the cells there, which are caps of half a row: finite,
+/// positive, and the same all around.
+#[test]
+fn the_poles_of_a_sky_are_ordinary_places() {
+    let (w, h) = (512u32, 256u32);
+    let image = EnvironmentImage::new(w, h, vec![[1.0; 3]; (w * h) as usize], DMat3::IDENTITY, false);
+    let light = image.map(EnvironmentLight::Image).expect("a valid image");
+    let at = receiver(Vec3::ZERO, Vec3::ZERO);
+    for pole in [1.0, -1.0] {
+        for tilt in [0.0, -0.0, 1e-45, 1e-30, 1e-20, 1e-7, 1e-4, 3e-3] {
+            for (x, z) in [(1.0, 0.0), (0.0, -1.0), (0.6, 0.8), (-0.6, 0.8)] {
+                let wi = Vec3::new(x * tilt, pole, z * tilt).normalize();
+                let pdf = f64::from(light.pdf(&at, wi)) * 4.0 * std::f64::consts::PI;
+                // An even sky; a row's probability is a difference of sums in f64, a cell's an integer over 2³².
+                assert!((pdf - 1.0).abs() < 1e-6, "{wi}: {pdf} of an even density");
+                assert_eq!(light.radiance(wi), Vec3::ONE, "{wi}");
+            }
+        }
+    }
+}

@@ -5,7 +5,7 @@ use crate::math::stats::Pcg;
 use crate::math::warp::{INV_PI, cosine_hemisphere};
 
 /// Mean and variance of the mean.
-struct Mean {
+pub(super) struct Mean {
     n: f64,
     sum: f64,
     squares: f64,
@@ -18,18 +18,18 @@ impl Mean {
         self.squares += v * v;
     }
 
-    fn mean(&self) -> f64 {
+    pub fn mean(&self) -> f64 {
         self.sum / self.n
     }
 
-    fn variance(&self) -> f64 {
-        (self.squares / self.n - self.mean().powi(2)) / self.n
+    pub fn variance(&self) -> f64 {
+        (self.squares / self.n - self.mean().powi(2)).max(0.0) / self.n // rounding, where there is no noise
     }
 }
 
 /// Irradiance at the origin facing +z, the lights being transparent: by light sampling alone if `combine` is off,
 /// else with cosine distributed chance hits and the power heuristic.
-fn estimate(lights: &[Light], combine: bool, seed: u64) -> Mean {
+pub(super) fn estimate(lights: &[Light], combine: bool, seed: u64) -> Mean {
     let set = LightSet::new(lights.to_vec());
     let (p, n) = (Vec3::ZERO, Vec3::Z);
     let mut rng = Pcg::new(seed);

@@ -1,10 +1,10 @@
 //! Each image of a surface becomes its mean colour. What covers and what bends normals stays as it is.
 
+use super::image_inputs;
 use crate::files::Files;
 use crate::math::color::linear_from_srgb;
 use crate::pictures::{self, Limits, Picture};
 use crate::scene::{Encoding, Image, ImageSource, ImageTexture, Scene, SurfaceModel, Texture, TextureId};
-use crate::study::uses::image_inputs;
 use glam::DVec4;
 use std::collections::BTreeMap;
 

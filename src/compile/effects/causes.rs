@@ -1,0 +1,399 @@
+//! Which effects a scene has, and who calls for each.
+//!
+//! Read from the description, which knows names and places. What nothing drawn refers to does not count. Every object
+//! that calls for an effect is a cause of it, so that a scene without any of the causes does not have the effect; a
+//! match over all surface models makes sure that no new one is forgotten.
+
+use super::leave_out::{has_coat, passes};
+use super::{Effect, Effect::*, image_inputs};
+use crate::render::technique::{LightPick, Technique};
+use crate::scene::{
+    EnvironmentKind, Material, MaterialId, Object, OpacityMode, Place, Principled, Scene, Shape, SurfaceModel, Texture,
+    TextureId,
+};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Mixtures and products nested deeper than this contain themselves; `compile` refuses them.
+const DEEPEST: u32 = 64;
+
+/// Who calls for an effect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cause {
+    /// What it is: `sphere "ball"`, `the camera`.
+    pub what: String,
+    /// Why it calls for the effect: `glass of ior 1.5`.
+    pub why: String,
+    /// Where it was written.
+    pub place: Place,
+    /// Material, if it is one's.
+    pub material: Option<MaterialId>,
+    /// How often it is drawn.
+    pub times: u64,
+}
+
+/// The effects of a scene with their causes, in the order of [`Effect::ALL`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Effects {
+    found: BTreeMap<Effect, Vec<Cause>>,
+}
+
+impl Effects {
+    /// Whether the scene has it.
+    pub fn has(&self, effect: Effect) -> bool {
+        self.found.contains_key(&effect)
+    }
+
+    /// Who calls for it; nobody if the scene does not have it.
+    pub fn causes(&self, effect: Effect) -> &[Cause] {
+        self.found.get(&effect).map_or(&[], Vec::as_slice)
+    }
+
+    /// The effects that the scene has.
+    pub fn iter(&self) -> impl Iterator<Item = Effect> + '_ {
+        self.found.keys().copied()
+    }
+
+    fn add(&mut self, effect: Effect, cause: Cause) {
+        let causes = self.found.entry(effect).or_default();
+        match causes
+            .iter_mut()
+            .find(|c| (&c.what, &c.why, &c.place) == (&cause.what, &cause.why, &cause.place))
+        {
+            Some(known) => known.times += cause.times,
+            None => causes.push(cause),
+        }
+    }
+}
+
+/// The effects of a scene that is rendered by a technique.
+pub fn of(scene: &Scene, technique: &Technique) -> Effects {
+    let mut effects = Effects::default();
+    let mut seen = Receivers::default();
+    for (object, material) in drawn(scene) {
+        let what = name(&object.shape, &object.name);
+        let mut add = |effect: Effect, why: String| {
+            let place = object.place.clone();
+            let cause = Cause {
+                what: what.clone(),
+                why,
+                place,
+                material,
+                times: 1,
+            };
+            effects.add(effect, cause);
+        };
+        let fallback = Material::diffuse(glam::DVec3::splat(0.8));
+        let m = material
+            .and_then(|m| scene.materials.get(m.index()))
+            .unwrap_or(&fallback);
+        of_material(scene, m, 0, &mut add);
+        seen.look_at(scene, m, &what, object, 0);
+    }
+    of_camera(scene, &mut effects);
+    of_environment(scene, &mut effects, &mut seen);
+    seen.conclude(scene, technique, &mut effects);
+    effects
+}
+
+/// What is drawn with which material, each pair once. Materials are inherited as `compile` does.
+fn drawn(scene: &Scene) -> Vec<(&Object, Option<MaterialId>)> {
+    type Inherited = (Option<MaterialId>, Option<MaterialId>);
+    let mut out: Vec<(&Object, Option<MaterialId>)> = Vec::new();
+    let mut done: BTreeSet<(usize, Inherited)> = BTreeSet::new();
+    let mut queue: Vec<(&Object, Inherited)> = scene.objects.iter().rev().map(|o| (o, (None, None))).collect();
+    while let Some((object, (outer, forced))) = queue.pop() {
+        let own = object.material.or(outer);
+        let forced = forced.or(object.material.filter(|_| object.override_material));
+        // Objects live in the scene's tables, so that their address tells them apart.
+        if !done.insert((std::ptr::from_ref(object) as usize, (own, forced))) {
+            continue;
+        }
+        let pick = |m: Option<MaterialId>| forced.or(m).or(own).or(scene.default_material);
+        match &object.shape {
+            Shape::Group(id) => {
+                let inside = scene
+                    .groups
+                    .get(id.index())
+                    .into_iter()
+                    .flat_map(|g| g.objects.iter().rev());
+                queue.extend(inside.map(|o| (o, (own, forced))));
+            }
+            Shape::Mesh(id) => {
+                let slots = scene.meshes.get(id.index()).map_or(&[][..], |m| &m.materials);
+                let mut used: Vec<_> = slots.iter().map(|m| pick(*m)).collect();
+                used.extend(slots.is_empty().then(|| pick(None)));
+                used.sort();
+                used.dedup();
+                out.extend(used.into_iter().map(|m| (object, m)));
+            }
+            _ => out.push((object, pick(None))),
+        }
+    }
+    out
+}
+
+/// `sphere "ball"`.
+fn name(shape: &Shape, name: &str) -> String {
+    let word = match shape {
+        Shape::Sphere { .. } => "sphere",
+        Shape::Plane { .. } => "plane",
+        Shape::Box { .. } => "box",
+        Shape::Cone {
+            base_radius,
+            cap_radius,
+            ..
+        } if base_radius == cap_radius => "cylinder",
+        Shape::Cone { .. } => "cone",
+        Shape::Disc { .. } => "disc",
+        Shape::Torus { .. } => "torus",
+        Shape::Triangle { .. } => "triangle",
+        Shape::Mesh(_) => "mesh",
+        Shape::Group(_) => "group",
+    };
+    if name.is_empty() {
+        word.to_owned()
+    } else {
+        format!("{word} \"{name}\"")
+    }
+}
+
+fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effect, String)) {
+    let inputs = image_inputs(m).into_iter();
+    let images: BTreeSet<String> = inputs.filter_map(|t| image_behind(scene, t, 0)).collect();
+    images
+        .into_iter()
+        .for_each(|image| add(Textures, format!("image \"{image}\"")));
+    if let Some(map) = m.normal_map.filter(|n| n.scale != 0.0)
+        && let Some(image) = image_behind(scene, map.texture, 0)
+    {
+        add(Bump, format!("normal map \"{image}\""));
+    }
+    let a = &m.opacity.alpha;
+    if m.opacity.mode != OpacityMode::Opaque && (a.texture.is_some() || a.factor < 1.0) {
+        add(Alpha, "coverage below 1".to_owned());
+    }
+    let absorbs = m.interior.absorption.max_element() > 0.0;
+    let mut absorption = |fills: bool| {
+        if fills && absorbs {
+            add(Media, "absorption".to_owned());
+        }
+    };
+    match &m.surface {
+        SurfaceModel::Black | SurfaceModel::Diffuse { .. } => {}
+        SurfaceModel::Specular { .. } => add(Specular, "mirror".to_owned()),
+        SurfaceModel::Glass {
+            ior, roughness, abbe, ..
+        } => {
+            absorption(true);
+            let rough = if roughness.factor > 0.0 { "rough glass" } else { "glass" };
+            // By itself an index of 1 bends nothing.
+            if *ior != 1.0 {
+                add(Glass, format!("{rough} of ior {ior}"));
+            }
+            if let Some(v) = abbe.filter(|_| *ior != 1.0) {
+                add(Dispersion, format!("Abbe number {v}"));
+            }
+        }
+        SurfaceModel::Glossy { roughness, metal, .. } => {
+            let what = if *metal { "metal" } else { "coat" };
+            add(Glossy, format!("{what} of roughness {}", roughness.factor));
+        }
+        SurfaceModel::Translucent { transmit, .. } => {
+            if transmit.factor > 0.0 {
+                add(Translucent, format!("transmits {}", transmit.factor));
+            }
+        }
+        SurfaceModel::Principled(p) => {
+            absorption(p.thick && p.transmission.factor > 0.0);
+            of_principled(p, add);
+        }
+        SurfaceModel::Finish(f) => {
+            absorption(f.ior.is_some() && passes(f));
+            if f.phong > 0.0 || f.specular > 0.0 {
+                add(Glossy, "highlight".to_owned());
+            }
+            if f.reflection.is_some_and(|r| r.max.max(r.min).max_element() > 0.0) {
+                add(Specular, "reflection".to_owned());
+            }
+            match f.ior.filter(|ior| *ior != 1.0 && passes(f)) {
+                Some(ior) => add(Glass, format!("transparent, ior {ior}")),
+                None if passes(f) => add(Alpha, "transparent without ior".to_owned()),
+                None => {}
+            }
+            if f.diffuse_back > 0.0 {
+                add(Translucent, format!("diffuse {} on the far side", f.diffuse_back));
+            }
+        }
+        SurfaceModel::Mix { a, b, weight } if depth < DEEPEST => {
+            let constant = weight.texture.is_none().then_some(weight.factor);
+            let parts = [(a, constant != Some(1.0)), (b, constant != Some(0.0))];
+            for (part, _) in parts.into_iter().filter(|(_, seen)| *seen) {
+                if let Some(part) = scene.materials.get(part.index()) {
+                    of_material(scene, part, depth + 1, add);
+                }
+            }
+        }
+        SurfaceModel::Mix { .. } => {}
+    }
+}
+
+fn of_principled(p: &Principled, add: &mut dyn FnMut(Effect, String)) {
+    let is_rough_metal = p.metallic.factor > 0.0 && p.roughness.factor > 0.0;
+    let is_layered = p.clearcoat.factor > 0.0 || p.sheen_color.factor.max_element() > 0.0;
+    if has_coat(p) || is_rough_metal || is_layered {
+        add(Glossy, format!("principled, roughness {}", p.roughness.factor));
+    }
+    if p.metallic.factor > 0.0 && !is_rough_metal {
+        add(Specular, "smooth metal".to_owned());
+    }
+    if p.transmission.factor > 0.0 && p.ior != 1.0 {
+        add(Glass, format!("transmission {}, ior {}", p.transmission.factor, p.ior));
+        if p.dispersion > 0.0 && p.thick && p.ior != 1.0 {
+            add(Dispersion, format!("dispersion {}", p.dispersion));
+        }
+    }
+    if p.diffuse_transmission.factor > 0.0 {
+        add(
+            Translucent,
+            format!("diffuse transmission {}", p.diffuse_transmission.factor),
+        );
+    }
+}
+
+/// The name of an image behind a texture; products may be nested.
+fn image_behind(scene: &Scene, texture: TextureId, depth: u32) -> Option<String> {
+    match scene.textures.get(texture.index())? {
+        Texture::Image(image) => {
+            let image = scene.images.get(image.image.index())?;
+            Some(image.name.clone())
+        }
+        Texture::Product(a, b) if depth < DEEPEST => {
+            image_behind(scene, *a, depth + 1).or_else(|| image_behind(scene, *b, depth + 1))
+        }
+        _ => None,
+    }
+}
+
+fn of_camera(scene: &Scene, effects: &mut Effects) {
+    if let Some(camera) = scene.camera().filter(|c| c.lens_radius > 0.0) {
+        effects.add(
+            Lens,
+            Cause {
+                what: "the camera".to_owned(),
+                why: format!("lens of radius {}", camera.lens_radius),
+                place: camera.place.clone(),
+                material: None,
+                times: 1,
+            },
+        );
+    }
+}
+
+fn of_environment(scene: &Scene, effects: &mut Effects, seen: &mut Receivers) {
+    let why = match &scene.environment.kind {
+        EnvironmentKind::Constant(c) if c.max_element() > 0.0 => "one colour everywhere".to_owned(),
+        EnvironmentKind::Image { image, strength, .. } if *strength > 0.0 => {
+            let name = scene.images.get(image.index()).map_or("", |i| i.name.as_str());
+            format!("image \"{name}\"")
+        }
+        EnvironmentKind::Black | EnvironmentKind::Constant(_) | EnvironmentKind::Image { .. } => return,
+    };
+    if !scene.environment.illuminates {
+        return;
+    }
+    let cause = Cause {
+        what: "the environment".to_owned(),
+        why,
+        place: Place::None,
+        material: None,
+        times: 1,
+    };
+    // A sky of one colour throws no caustics: it looks the same along any way.
+    if matches!(scene.environment.kind, EnvironmentKind::Image { .. }) {
+        seen.lights.push(cause.clone());
+    }
+    effects.add(Environment, cause);
+}
+
+/// What takes two or three to come about.
+#[derive(Default)]
+struct Receivers {
+    /// Surfaces that scatter light widely.
+    rough: Vec<Cause>,
+    /// Surfaces that throw light in one direction.
+    casters: Vec<Cause>,
+    /// Lights that are seen under a small angle, or vary.
+    lights: Vec<Cause>,
+}
+
+impl Receivers {
+    fn look_at(&mut self, scene: &Scene, m: &Material, what: &str, object: &Object, depth: u32) {
+        let cause = |why: &str| Cause {
+            what: what.to_owned(),
+            why: why.to_owned(),
+            place: object.place.clone(),
+            material: None,
+            times: 1,
+        };
+        if m.emission.factor.max_element() > 0.0 && object.visibility.indirect {
+            self.lights.push(cause("emits"));
+        }
+        let (rough, casts) = match &m.surface {
+            SurfaceModel::Black => (false, false),
+            SurfaceModel::Diffuse { .. } | SurfaceModel::Translucent { .. } => (true, false),
+            SurfaceModel::Specular { .. } | SurfaceModel::Glass { .. } => (false, true),
+            SurfaceModel::Glossy { metal, .. } => (!metal, true),
+            SurfaceModel::Principled(p) => {
+                let casts = has_coat(p) || p.metallic.factor > 0.0 || p.transmission.factor > 0.0;
+                (p.metallic.factor < 1.0 && p.transmission.factor < 1.0, casts)
+            }
+            SurfaceModel::Finish(f) => {
+                let casts =
+                    f.reflection.is_some() || (f.ior.is_some() && passes(f)) || f.phong > 0.0 || f.specular > 0.0;
+                (f.diffuse > 0.0 || f.diffuse_back > 0.0, casts)
+            }
+            SurfaceModel::Mix { a, b, .. } => {
+                for part in [a, b].into_iter().filter(|_| depth < DEEPEST) {
+                    if let Some(part) = scene.materials.get(part.index()) {
+                        self.look_at(scene, part, what, object, depth + 1);
+                    }
+                }
+                (false, false)
+            }
+        };
+        self.rough.extend(rough.then(|| cause("scatters")));
+        self.casters.extend(casts.then(|| cause("mirrors or bends light")));
+    }
+
+    fn conclude(mut self, scene: &Scene, technique: &Technique, effects: &mut Effects) {
+        for light in scene.lights.iter().filter(|l| l.color.max_element() > 0.0) {
+            let what = if light.name.is_empty() {
+                "lamp".to_owned()
+            } else {
+                format!("lamp \"{}\"", light.name)
+            };
+            self.lights.push(Cause {
+                what,
+                why: "shines".to_owned(),
+                place: light.place.clone(),
+                material: None,
+                times: 1,
+            });
+        }
+        let is_lit = !self.lights.is_empty() || effects.has(Environment);
+        if technique.max_depth > 1 && is_lit {
+            let scatter = self.rough.iter().chain(&self.casters);
+            scatter.cloned().for_each(|cause| effects.add(Indirect, cause));
+        }
+        let chain = [&self.casters, &self.lights, &self.rough];
+        if technique.caustics && technique.max_depth > 1 && chain.iter().all(|c| !c.is_empty()) {
+            self.casters
+                .iter()
+                .cloned()
+                .for_each(|cause| effects.add(Caustics, cause));
+        }
+        if self.lights.len() > 1 && technique.lights == LightPick::Tree {
+            self.lights.into_iter().for_each(|cause| effects.add(LightTree, cause));
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! `pts inspect` tells what a scene calls for and what it does not need; `--without` takes effects away.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const SCENE: &str = r#"#version 3.8;
+camera { location <0, 1, -4> look_at 0 angle 40 lens_radius 0 focus_distance 4 }
+light_source { <2, 4, -3> rgb 1 }
+light_source { <-2, 4, -3> rgb 0 }
+#declare Spare = material { glossy { color rgb 1 roughness 0.2 ior 1.5 } }
+plane { y, -1 material { diffuse { color rgb 0.5 } } }
+sphere { 0, 1
+  material { glass { color rgb 1 ior 1.5 absorption rgb 0.2 } } }
+sphere { <2, 0, 0>, 0.5 material { glass { color rgb 1 ior 1 } } }
+"#;
+
+struct Bench {
+    dir: TempDir,
+}
+
+impl Bench {
+    fn new() -> Bench {
+        let dir = tempfile::tempdir().expect("a temporary directory");
+        std::fs::write(dir.path().join("a.pts"), SCENE).expect("the scene is written");
+        Bench { dir }
+    }
+
+    fn run(&self, words: &[&str]) -> (String, String) {
+        let mut command = Command::cargo_bin("pts").expect("the program is built");
+        let output = command
+            .current_dir(self.dir.path())
+            .args(words)
+            .output()
+            .expect("it starts");
+        let [out, err] = [output.stdout, output.stderr].map(|s| String::from_utf8_lossy(&s).into_owned());
+        assert!(output.status.success(), "{words:?}: {err}");
+        (out, err)
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.run(&["inspect", "a.pts", "--format", "json"]).0).expect("JSON")
+    }
+}
+
+#[test]
+fn effects_are_told_with_their_places() {
+    let found = Bench::new().json();
+    let on = |effect: &str| found["effects"][effect]["on"] == true;
+    for effect in ["glass", "media", "indirect", "caustics"] {
+        assert!(on(effect), "{effect}: {found:#}");
+    }
+    for effect in [
+        "textures",
+        "bump",
+        "alpha",
+        "dispersion",
+        "lens",
+        "environment",
+        "glossy",
+        "translucent",
+        "light_tree",
+    ] {
+        assert!(!on(effect), "{effect}: {found:#}");
+    }
+    let causes = found["effects"]["glass"]["causes"].as_array().expect("causes");
+    assert_eq!(causes.len(), 1, "{causes:?}");
+    assert_eq!(causes[0]["place"], "a.pts:7:1");
+    assert_eq!(causes[0]["why"], "glass of ior 1.5");
+    assert_eq!(found["hints"].as_array().map(Vec::len), Some(1));
+    let not_needed = found["not_needed"].to_string();
+    assert!(
+        not_needed.contains("lamp") && not_needed.contains("it is dark"),
+        "{not_needed}"
+    );
+    assert_eq!(found["files"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn the_text_names_causes_and_what_is_off() {
+    let (text, _) = Bench::new().run(&["inspect", "a.pts"]);
+    for part in [
+        "a.pts:7:1: sphere (glass of ior 1.5)",
+        "not called for",
+        "textures, bump",
+        "it is dark",
+        "hints",
+    ] {
+        assert!(text.contains(part), "`{part}` is not in\n{text}");
+    }
+}
+
+/// What is left out is told in the summary and in the picture, and the command that is told to make the picture
+/// again leaves it out as well.
+#[test]
+fn what_is_left_out_is_stamped_and_replayed() {
+    let bench = Bench::new();
+    let render = [
+        "render",
+        "a.pts",
+        "-r",
+        "8x8",
+        "--spp",
+        "16",
+        "--without",
+        "glass,media",
+        "-o",
+        "a.png",
+    ];
+    let (_, told) = bench.run(&render);
+    assert!(
+        told.contains("--without glass,media (not the scene as written)"),
+        "{told}"
+    );
+    let again = told
+        .lines()
+        .find_map(|l| l.trim().strip_prefix("again: pts "))
+        .expect("a command");
+    let first = std::fs::read(bench.dir.path().join("a.png")).expect("the picture");
+    bench.run(&again.split(' ').collect::<Vec<_>>());
+    assert_eq!(
+        first,
+        std::fs::read(bench.dir.path().join("a.png")).expect("the picture")
+    );
+    let (_, told) = bench.run(&["render", "a.pts", "-r", "8x8", "--spp", "16", "-o", "a.png"]);
+    assert!(!told.contains("not the scene"), "{told}");
+    assert_ne!(
+        first,
+        std::fs::read(bench.dir.path().join("a.png")).expect("the picture")
+    );
+}
