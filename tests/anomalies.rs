@@ -78,7 +78,7 @@ fn samples_beyond_all_numbers_are_counted() {
 }
 
 #[test]
-fn glass_nested_too_deeply_is_counted() {
+fn surfaces_nested_too_deeply_are_counted() {
     let ball = "#for (I, 1, 40) sphere { 0, I / 40 material { glass { ior 1 + I / 100 } } } #end";
     assert_counted(
         &bench(),

@@ -39,7 +39,7 @@ pub fn header(
         "filter": filter_word(settings.filter),
         "direct": settings.technique.direct.word(),
         "technique": settings.technique.flags(),
-        "without": args.sampling.without_flag(),
+        "without": args.sampling.without_list(),
         "layers": layer_words(settings),
         "camera": view.camera.as_ref().map(|c| c.to_string()),
         "env_color": view.env_color,

@@ -63,7 +63,9 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
         ..args.sampling.technique()
     };
     words.extend(technique.flags());
-    words.extend(args.sampling.without_flag());
+    if let Some(list) = args.sampling.without_list() {
+        words.extend(["--without".to_owned(), list]);
+    }
     if let Some(depth) = args.sampling.max_depth {
         words.extend(["--max-depth".to_owned(), depth.to_string()]);
     }

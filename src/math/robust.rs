@@ -36,21 +36,17 @@ pub fn roots_of_half_quadratic(a: f64, b: f64, c: f64) -> Option<(f64, f64)> {
 /// Scaling by the largest component first keeps the squares from under- and overflowing.
 pub fn try_normalize(v: Vec3) -> Option<Vec3> {
     let m = v.abs().max_element();
-    if m > 0.0 && m.is_finite() {
-        Some((v / m).normalize())
-    } else {
-        None
-    }
+    // The maximum passes over numbers that are none; they show in the sum of squares.
+    let n = (v / m).normalize();
+    (m > 0.0 && m.is_finite() && n.is_finite()).then_some(n)
 }
 
 /// The f64 form of [`try_normalize`].
 pub fn try_normalize_f64(v: DVec3) -> Option<DVec3> {
     let m = v.abs().max_element();
-    if m > 0.0 && m.is_finite() {
-        Some((v / m).normalize())
-    } else {
-        None
-    }
+    // The maximum passes over numbers that are none; they show in the sum of squares.
+    let n = (v / m).normalize();
+    (m > 0.0 && m.is_finite() && n.is_finite()).then_some(n)
 }
 
 /// Moves a surface point off the surface, to the side `w` points to, by at least its own error bound.
@@ -80,7 +76,14 @@ mod tests {
             );
         }
         assert_eq!(try_normalize(Vec3::ZERO), None);
-        assert_eq!(try_normalize(Vec3::NAN), None);
+        for k in 0..3 {
+            for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                let mut v = Vec3::ONE;
+                v[k] = bad;
+                assert_eq!(try_normalize(v), None, "{v}");
+                assert_eq!(try_normalize_f64(v.as_dvec3()), None, "{v}");
+            }
+        }
     }
 
     /// Oracle: roots 1e-9 and 1e9 are known.

@@ -69,16 +69,16 @@ pub struct SamplingArgs {
 }
 
 impl SamplingArgs {
-    /// The effects that are left out, as the flag that says so; `None` for none.
-    pub fn without_flag(&self) -> Option<String> {
+    /// The effects that are left out, separated by commas; `None` for none.
+    pub fn without_list(&self) -> Option<String> {
         let words: Vec<&str> = self.without.iter().map(|e| e.word()).collect();
-        (!words.is_empty()).then(|| format!("--without {}", words.join(",")))
+        (!words.is_empty()).then(|| words.join(","))
     }
 
     /// The flags that bias the picture.
     pub fn biased(&self) -> Vec<String> {
         let mut flags = self.technique().biased();
-        flags.extend(self.without_flag());
+        flags.extend(self.without_list().map(|list| format!("--without {list}")));
         flags
     }
 
