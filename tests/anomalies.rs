@@ -79,13 +79,9 @@ fn samples_beyond_all_numbers_are_counted() {
 
 #[test]
 fn surfaces_nested_too_deeply_are_counted() {
-    let ball = "#for (I, 1, 40) sphere { 0, I / 40 material { glass { ior 1 + I / 100 } } } #end";
-    assert_counted(
-        &bench(),
-        Anomaly::StackOverflow,
-        1,
-        &format!("background {{ rgb 1 }} {ball}"),
-    );
+    let sheets = "#for (I, 1, 5000) disc { z * I / 1000, z, 9 pigment { rgbt 1 } } #end";
+    let scene = format!("background {{ rgb 1 }} {sheets}");
+    assert_counted(&bench(), Anomaly::StackOverflow, 1, &scene);
 }
 
 #[test]
