@@ -204,8 +204,12 @@ fn an_effect_that_is_left_out_is_gone_and_others_do_not_come() {
                 after.causes(effect)
             );
             let new = after.iter().find(|e| !before.has(*e));
-            // A metal without its roughness is a mirror; nothing else takes another's place.
-            let may_come = |e: Effect| e == Effect::Specular && [Effect::Glossy, Effect::Glass].contains(&effect);
+            // A metal without its roughness is a mirror, and what is transparent without an index is a veil.
+            let may_come = |e: Effect| match e {
+                Effect::Specular => [Effect::Glossy, Effect::Glass].contains(&effect),
+                Effect::Alpha => effect == Effect::Glass,
+                _ => false,
+            };
             assert!(new.is_none_or(may_come), "{seed}: without {effect:?} comes {new:?}");
         }
     }
