@@ -1,6 +1,6 @@
 //! glTF models through the whole renderer.
 
-use crate::support::scenes::{bits, ready, settings};
+use crate::support::scenes::{ready, settings};
 use crate::support::ztest;
 
 const SIZE: [u32; 2] = [24, 24];
@@ -18,11 +18,10 @@ fn nested_scales_ways_and_mirrors_cancel() {
 /// An index of 0 means infinite, by the extension's own words: everything is reflected, and a mirror cannot be seen.
 #[test]
 fn an_index_of_zero_reflects_everything() {
-    let shot = ready(SCENE, &[("Which", "2")], SIZE).shoot(&settings(SIZE, 64, 1));
-    let one = 1f32.to_bits();
-    assert!(
-        bits(&shot.picture).iter().all(|&b| b == one),
-        "{:?}",
-        shot.estimate.level()
-    );
+    let image = ready(SCENE, &[("Which", "2")], SIZE)
+        .shoot(&settings(SIZE, 64, 1))
+        .estimate;
+    // One reflection: a dozen roundings of f32.
+    let off = image.mean.iter().flatten().map(|v| (v - 1.0).abs()).fold(0.0, f64::max);
+    assert!(off <= 12.0 * 2f64.powi(-24), "off by {off}");
 }
