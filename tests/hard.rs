@@ -17,6 +17,8 @@ mod invariance;
 mod lamps;
 #[path = "hard/media.rs"]
 mod media;
+#[path = "hard/models.rs"]
+mod models;
 #[path = "hard/oblique.rs"]
 mod oblique;
 #[path = "hard/one_place.rs"]

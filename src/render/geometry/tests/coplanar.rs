@@ -158,7 +158,7 @@ fn a_flat_lamp_of_many_triangles_does_not_shade_itself() {
                         };
                         tried[k] += 1;
                         // The start may be moved aside, as it is off a surface of loose points.
-                        let aside = direction(&mut rng) * (aim.distance * 1e-4 * rng.next_f32().powi(8));
+                        let aside = direction(&mut rng) * (aim.distance * 1e-6 * rng.next_f32().powi(8));
                         let origin = p + aside;
                         let ray = Ray {
                             t_max: aim.t_max - (origin - p).length() * aim.slant,
