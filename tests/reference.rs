@@ -123,10 +123,11 @@ fn bless() {
 /// Light sampling, hits, and both together are three estimators of one picture.
 #[test]
 fn all_ways_of_finding_direct_light_agree() {
-    let cases: [(&str, &str, [u32; 3]); 3] = [
+    let cases: [(&str, &str, [u32; 3]); 4] = [
         ("box", SCENE, [256, 256, 512]),
         ("lamps", "tests/hard/direct/lamps.pts", [256, 256, 4096]),
         ("sky", "tests/hard/direct/sky.pts", [256, 256, 2048]),
+        ("glass", "tests/hard/direct/glass.pts", [512, 512, 1024]),
     ];
     for (name, scene, spp) in cases {
         let size = [48, 36];

@@ -93,6 +93,16 @@ impl<'a, 'i> Materials<'a, 'i> {
         out.normal_map = material.normal_map.as_ref().and_then(|n| self.normal_map(n, diags));
         out.absorption = material.interior.absorption.as_vec3();
         (out.ior, out.dispersion, out.interior) = solid(&material);
+        if let engine::SurfaceModel::Mix { a, b, .. } = &out.surface {
+            // What is glass in part is a solid as a whole.
+            let parts = [a, b].map(|id| &self.materials[*id as usize]);
+            if let Some(part) = parts.into_iter().find(|m| m.interior) {
+                (out.ior, out.dispersion, out.interior) = (part.ior, part.dispersion, true);
+                if out.absorption == Vec3::ZERO {
+                    out.absorption = part.absorption;
+                }
+            }
+        }
         out.needs_attributes = self.needs_attributes(&out);
         self.materials.push(out);
         let place = self.materials.len() as u32 - 1;

@@ -83,7 +83,16 @@ fn a_scene_mirrored_with_its_camera_is_the_same_picture() {
 /// A ball of radius 1e5 leaves its tangent plane by 2e-5 at a distance of 2: nothing that a pixel could see.
 #[test]
 fn walls_that_are_huge_balls_are_walls_that_are_planes() {
-    assert_same("tests/hard/room/box.pts", &[], &[("Round", "1")], 256);
+    for radius in ["1e5", "1e7"] {
+        assert_same("tests/hard/room/box.pts", &[], &[("Round", radius)], 256);
+    }
+}
+
+#[test]
+fn walls_that_are_huge_balls_are_walls_of_two_triangles() {
+    for radius in ["1e5", "1e7"] {
+        assert_same("tests/hard/room/box.pts", &[("Quads", "1")], &[("Round", radius)], 256);
+    }
 }
 
 /// Any number of lamps in one place with a light of 3 together, of each kind that has no shape; and any number of

@@ -41,9 +41,12 @@ impl Kernel<'_> {
         let material = &self.scene.materials[surface.material as usize];
         let behind;
         let mut media = media;
-        if material.interior && (light.wi.dot(surface.ng) < 0.0) != (sides.wo.z < 0.0) {
+        let crosses = (light.wi.dot(surface.ng) < 0.0) != (sides.wo.z < 0.0);
+        if crosses {
             let eta = sides.bsdf.eta_across(sides.wo);
             f *= eta * eta; // radiance over n², as along the path
+        }
+        if crosses && material.interior {
             let mut beyond = media.clone();
             let is_known = beyond.cross(surface.prim.object, sides.wo.z >= 0.0, material);
             stats.anomalies.count(Anomaly::StackOverflow, u64::from(!is_known));
