@@ -8,8 +8,6 @@
 pub enum Anomaly {
     /// A sample with a NaN or infinite value, or one beyond the range of f32; it counts as a black sample.
     NonFinite,
-    /// A scattered direction that lies in the true surface, so that it is on no side of it; the path ends.
-    ShadingRejected,
     /// A path that ended because media or surfaces are nested deeper than its stack holds.
     StackOverflow,
     /// A face without area, or with a corner that is not finite.
@@ -32,9 +30,8 @@ pub struct Anomalies([u64; Anomaly::ALL.len()]);
 
 impl Anomaly {
     /// All kinds, those of samples first.
-    pub const ALL: [Anomaly; 8] = [
+    pub const ALL: [Anomaly; 7] = [
         NonFinite,
-        ShadingRejected,
         StackOverflow,
         DroppedFace,
         DroppedShape,
@@ -47,7 +44,6 @@ impl Anomaly {
     pub fn word(self) -> &'static str {
         match self {
             NonFinite => "non_finite",
-            ShadingRejected => "shading_rejected",
             StackOverflow => "stack_overflow",
             DroppedFace => "dropped_faces",
             DroppedShape => "dropped_shapes",
@@ -61,7 +57,6 @@ impl Anomaly {
     pub fn sentence(self) -> &'static str {
         match self {
             NonFinite => "samples were not finite and count as black",
-            ShadingRejected => "paths ended in the plane of a surface with smoothed normals",
             StackOverflow => "paths ended because media or surfaces are nested too deeply",
             DroppedFace => "faces without area or with bad corners are left out",
             DroppedShape => "objects without extent or with a bad transform are left out",
@@ -73,7 +68,7 @@ impl Anomaly {
 
     /// Whether it happens to samples, so that more samples have more of it; otherwise it belongs to the scene.
     pub fn is_of_samples(self) -> bool {
-        matches!(self, NonFinite | ShadingRejected | StackOverflow)
+        matches!(self, NonFinite | StackOverflow)
     }
 }
 

@@ -327,10 +327,7 @@ impl<'a> Kernel<'a> {
                 nearly_unit(wi)
             };
             let crosses = (s.wi.z < 0.0) != (wo_local.z < 0.0);
-            let Some((wi, pdf)) = sides.fold(&s, wi) else {
-                stats.anomalies.count(Anomaly::ShadingRejected, 1);
-                return out;
-            };
+            let (wi, pdf) = sides.fold(&s, wi);
             throughput *= s.weight * (s.eta * s.eta);
             if crosses && material.interior {
                 let mut is_known = media.cross(surface.prim.object, front, material);

@@ -6,6 +6,7 @@
 //! rejected, and light samples and scattered paths agree.
 
 use crate::math::frame::Frame;
+use crate::math::robust::gamma;
 use crate::render::bsdf::{Bsdf, BsdfSample};
 use glam::Vec3;
 
@@ -53,33 +54,31 @@ impl Sides<'_> {
         (own.0 + f, own.1 + pdf)
     }
 
-    /// Where a sample, whose direction is `wi` in the world, really goes, and its density there; `None` for a direction
-    /// in the plane of the surface, which is on no side.
+    /// Where a sample, whose direction is `wi` in the world, really goes, and its density there. The direction is on the
+    /// side that the sample chose: where rounding has put it into the plane of the surface, it is lifted by a rounding.
     #[inline(always)]
-    pub fn fold(&self, s: &BsdfSample, wi: Vec3) -> Option<(Vec3, f32)> {
-        // By the sample's own side, not by that of `wi` after rounding.
-        let crosses = (s.wi.z < 0.0) != (self.wo.z < 0.0);
-        let is_behind = |wi: Vec3| (wi.dot(self.ng) < 0.0) != (self.wo.z < 0.0);
-        let is_folded = crosses != is_behind(wi);
-        let (found, other) = if is_folded {
-            (self.mirrored(wi), wi)
-        } else if self.is_flat() {
-            return (wi.dot(self.ng) != 0.0).then_some((wi, s.pdf));
-        } else {
-            (wi, self.mirrored(wi))
-        };
-        if found.dot(self.ng) == 0.0 || crosses != is_behind(found) {
-            return None;
+    pub fn fold(&self, s: &BsdfSample, wi: Vec3) -> (Vec3, f32) {
+        // By the sample's own side, not by that of `wi` after rounding; on that of `wo` unless the sample crosses.
+        let is_below = |wi: Vec3| wi.dot(self.ng) < 0.0;
+        let is_wanted_below = s.wi.z < 0.0;
+        let is_folded = is_wanted_below != is_below(wi);
+        let mut found = if is_folded { self.mirrored(wi) } else { wi };
+        let height = found.dot(self.ng);
+        if height == 0.0 || is_wanted_below != is_below(found) {
+            // So near to the plane that rounding keeps it there: above it by more than three products can be off.
+            let lift = 2.0 * height.abs() + gamma(8);
+            found += self.ng * lift.copysign(s.wi.z);
+        }
+        if s.delta || self.is_flat() {
+            return (found, s.pdf);
         }
         // The other of the two directions that end here adds its density, if it is sampled at all.
-        let image = if is_folded { found } else { other };
-        let is_image_sampled = self.agree(image) == is_folded;
-        let pdf = if s.delta || !is_image_sampled {
-            s.pdf
+        let image = if is_folded { found } else { self.mirrored(wi) };
+        if self.agree(image) == is_folded {
+            (found, s.pdf + self.bsdf.pdf(self.wo, self.frame.to_local(image)))
         } else {
-            s.pdf + self.bsdf.pdf(self.wo, self.frame.to_local(image))
-        };
-        Some((found, pdf))
+            (found, s.pdf)
+        }
     }
 }
 
@@ -133,13 +132,43 @@ mod tests {
                     let Some(s) = bsdf.sample(sides.wo, u, rng.next_f32()) else {
                         continue;
                     };
-                    let Some((wi, pdf)) = sides.fold(&s, frame.to_world(s.wi)) else {
-                        panic!("a direction in the plane of the surface");
-                    };
+                    let (wi, pdf) = sides.fold(&s, frame.to_world(s.wi));
                     assert_eq!((wi.dot(ng) < 0.0), s.wi.z < 0.0, "through the surface");
                     let (_, again) = sides.eval_pdf(wi);
                     assert!((pdf / again - 1.0).abs() < 1e-3, "{lean}: {pdf} and {again}");
                 }
+            }
+        }
+    }
+
+    /// A direction that rounding has put into the plane leaves on the side that was chosen.
+    #[test]
+    fn nothing_stays_in_the_plane_of_a_surface() {
+        let bsdf = Bsdf::Diffuse(Diffuse { albedo: Vec3::ONE });
+        for ng in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8)] {
+            let frame = Frame::from_normal(Vec3::Z);
+            let sides = Sides {
+                bsdf: &bsdf,
+                frame: &frame,
+                ng,
+                wo: Vec3::Z,
+            };
+            for z in [1e-30f32, -1e-30] {
+                let s = BsdfSample {
+                    wi: Vec3::new(0.0, 1.0, z),
+                    weight: Vec3::ONE,
+                    pdf: 1.0,
+                    delta: false,
+                    eta: 1.0,
+                    straight: false,
+                };
+                for height in [0.0, 1e-40, 1e-20, 1e-9, 3e-8, 1e-7] {
+                    let (wi, _) = sides.fold(&s, Vec3::Y - ng * height.copysign(z));
+                    assert!(wi.dot(ng) != 0.0 && (wi.dot(ng) < 0.0) == (z < 0.0), "{height}: {wi}");
+                }
+                let (wi, _) = sides.fold(&s, Vec3::Y);
+                assert!(wi.dot(ng) != 0.0 && (wi.dot(ng) < 0.0) == (z < 0.0), "{wi}");
+                assert!((wi - Vec3::Y).length() < 1e-6, "{wi}");
             }
         }
     }
