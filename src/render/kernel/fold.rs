@@ -162,7 +162,7 @@ mod tests {
                     eta: 1.0,
                     straight: false,
                 };
-                for height in [0.0, 1e-40, 1e-20, 1e-9, 3e-8, 1e-7] {
+                for height in [0.0f32, 1e-40, 1e-20, 1e-9, 3e-8, 1e-7] {
                     let (wi, _) = sides.fold(&s, Vec3::Y - ng * height.copysign(z));
                     assert!(wi.dot(ng) != 0.0 && (wi.dot(ng) < 0.0) == (z < 0.0), "{height}: {wi}");
                 }
