@@ -139,7 +139,7 @@ fn wall(radius: f64) -> Case {
         exact: 0.0,
         // The farthest points met are some 60 away from the camera.
         tolerance: U * 100.0 + 4.0 * f64::EPSILON * radius,
-        because: "u·|p|, |p| < 100: the point is rounded once",
+        because: "u times 100, the farthest point met: it is rounded once",
     }
 }
 
