@@ -76,7 +76,7 @@ fn spheres() -> Price {
     let directions = directions(1);
     let center = Vec3::new(0.3, 0.2, 0.4);
     compare(
-        "ray against sphere: f32 with |d| = 1, and f64 by the foot of the perpendicular",
+        "ray against sphere: f32 for unit directions, and f64 by the foot of the perpendicular",
         |i| naive::sphere(-center, directions[i], Vec3::ZERO, 0.9, naive::EPS).unwrap_or(0.0),
         |i| {
             let d = directions[i].as_dvec3();
