@@ -25,7 +25,7 @@ mod oblique;
 mod one_place;
 
 use pts::render::settings::Settings;
-use support::estimate::WHOLE;
+use support::estimate::{Estimate, WHOLE};
 use support::scenes::{bits, estimate_of, ready};
 
 const SIGMAS: f64 = 5.0;
@@ -149,21 +149,27 @@ fn a_glass_slab_passes_the_same_share_at_any_thickness() {
         .assert_near([1.0; 3], 0.0001, SIGMAS, "index-matched slab");
 }
 
+/// Radius of the blurred spot of tests/hard/lens/spot.pts, a picture 20° wide, as an angle: the second moment of a disc
+/// is half of its squared radius.
+fn blur_radius(image: &Estimate) -> f64 {
+    let half_width = f64::tan(10f64.to_radians());
+    let (mut weight, mut moment) = (0.0, 0.0);
+    for (i, rgb) in image.mean.iter().enumerate() {
+        let at = |k: usize| ((k as f64 + 0.5) / image.width as f64 - 0.5) * 2.0 * half_width;
+        let (x, y) = (at(i % image.width), at(i / image.width));
+        weight += rgb[1];
+        moment += rgb[1] * (x * x + y * y);
+    }
+    (2.0 * moment / weight).sqrt()
+}
+
 /// A point at D out of focus F spreads over a disc of radius a·|D − F|/F on the plane in focus; as an angle from the
 /// lens centre a·|D − F|/(F·D). Its second moment is radius²/2 (mean squared distance from the centre).
 #[test]
 fn the_circle_of_confusion_has_its_radius() {
     let (size, a, f, d) = (96u32, 0.25f64, 4.0, 8.0);
     let image = estimate_of("tests/hard/lens/spot.pts", &[("A", "0.25")], [size, size], 4096);
-    let half_width = f64::tan(10f64.to_radians());
-    let (mut weight, mut moment) = (0.0, 0.0);
-    for (i, rgb) in image.mean.iter().enumerate() {
-        let at = |k: usize| ((k as f64 + 0.5) / f64::from(size) - 0.5) * 2.0 * half_width;
-        let (x, y) = (at(i % size as usize), at(i / size as usize));
-        weight += rgb[1];
-        moment += rgb[1] * (x * x + y * y);
-    }
-    let radius = (2.0 * moment / weight).sqrt();
+    let radius = blur_radius(&image);
     // The disc itself is 0.02 wide; second moments of a blur and what is blurred add up.
     let exact = (a * (d - f) / (f * d)).hypot(0.02 / d);
     assert!((radius / exact - 1.0).abs() < 0.02, "radius {radius}, expected {exact}");

@@ -38,8 +38,17 @@ impl fmt::Display for Price {
 const ROUNDS: usize = 31;
 const ITEMS: usize = 4096;
 
-/// Median nanoseconds an item of two ways to do the same, by turns.
+/// Median nanoseconds an item of two ways to do the same with one item.
 fn compare(what: &'static str, mut naive: impl FnMut(usize) -> f32, mut robust: impl FnMut(usize) -> f32) -> Price {
+    by_turns(
+        what,
+        || black_box((0..ITEMS).map(&mut naive).sum::<f32>()),
+        || black_box((0..ITEMS).map(&mut robust).sum::<f32>()),
+    )
+}
+
+/// The same where each way does all items at once.
+fn by_turns<A, B>(what: &'static str, mut naive: impl FnMut() -> A, mut robust: impl FnMut() -> B) -> Price {
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..ROUNDS {
         times[0].push(seconds(&mut naive));
@@ -52,13 +61,9 @@ fn compare(what: &'static str, mut naive: impl FnMut(usize) -> f32, mut robust: 
     Price { what, naive, robust }
 }
 
-fn seconds(work: &mut impl FnMut(usize) -> f32) -> f64 {
+fn seconds<T>(work: &mut impl FnMut() -> T) -> f64 {
     let start = Instant::now();
-    let mut sum = 0.0;
-    for i in 0..ITEMS {
-        sum += work(i);
-    }
-    black_box(sum);
+    black_box(work());
     start.elapsed().as_secs_f64()
 }
 
@@ -159,35 +164,22 @@ fn offsets() -> Price {
 
 fn sums() -> Price {
     let values = directions(5);
-    let mut film = TileFilm::new(1, 1, 3, 0);
-    film.extend(ITEMS as u32, |_, i, out| {
-        out.copy_from_slice(&values[i as usize].to_array().map(f64::from))
-    });
-    let mut times = [Vec::new(), Vec::new()];
-    for _ in 0..ROUNDS {
-        let start = Instant::now();
-        let mut sum = [0.0f32; 3];
-        for value in &values {
-            let v = black_box(*value).to_array();
-            (0..3).for_each(|c| sum[c] += v[c]);
-        }
-        black_box(sum);
-        times[0].push(start.elapsed().as_secs_f64());
-        let start = Instant::now();
-        let mut film = TileFilm::new(1, 1, 3, 0);
-        film.extend(ITEMS as u32, |_, i, out| {
-            out.copy_from_slice(&black_box(values[i as usize]).to_array().map(f64::from));
-        });
-        black_box(&film);
-        times[1].push(start.elapsed().as_secs_f64());
-    }
-    let [naive, robust] = times.map(|mut t| {
-        t.sort_by(f64::total_cmp);
-        t[ROUNDS / 2] / ITEMS as f64 * 1e9
-    });
-    Price {
-        what: "a sample into its pixel's sum: f32 in a row, and a fixed tree in f64",
-        naive,
-        robust,
-    }
+    by_turns(
+        "a sample into its pixel's sum: f32 in a row, and a fixed tree in f64",
+        || {
+            let mut sum = [0.0f32; 3];
+            for value in &values {
+                let v = black_box(*value).to_array();
+                (0..3).for_each(|c| sum[c] += v[c]);
+            }
+            sum
+        },
+        || {
+            let mut film = TileFilm::new(1, 1, 3, 0);
+            film.extend(ITEMS as u32, |_, i, out| {
+                out.copy_from_slice(&black_box(values[i as usize]).to_array().map(f64::from));
+            });
+            film
+        },
+    )
 }

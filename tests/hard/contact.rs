@@ -4,9 +4,7 @@ use crate::lamps::expected;
 use crate::support::scenes::ready;
 use crate::support::ztest;
 use glam::{DVec3, Vec2};
-use pts::math::robust::offset_origin;
 use pts::math::stats::Pcg;
-use pts::render::ray::{Ray, ray_mask};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Radiance of the floor over its irradiance: albedo 0.5, light of 10.
@@ -121,16 +119,7 @@ fn no_shadow_ray_to_an_extreme_light_is_lost() {
                 continue;
             };
             aimed += 1;
-            let origin = offset_origin(surface.p, surface.p_error, surface.ng, light.wi);
-            lost += u32::from(scene.geometry.occluded(&Ray {
-                origin,
-                dir: light.wi,
-                dir_low: light.wi_low,
-                t_max: light.t_max - (origin - surface.p).length() * light.slant,
-                from: surface.prim,
-                to: light.to,
-                mask: ray_mask::SHADOW,
-            }));
+            lost += u32::from(scene.geometry.occluded(&light.shadow_ray(&surface)));
         }
         assert!(
             aimed > 10_000 && lost == 0,

@@ -40,15 +40,7 @@ fn a_lens_focused_at_infinity_blurs_by_its_own_width() {
             [size, size],
             256,
         );
-        let half_width = f64::tan(10f64.to_radians());
-        let (mut weight, mut moment) = (0.0, 0.0);
-        for (i, rgb) in image.mean.iter().enumerate() {
-            let at = |k: usize| ((k as f64 + 0.5) / f64::from(size) - 0.5) * 2.0 * half_width;
-            let (x, y) = (at(i % size as usize), at(i / size as usize));
-            weight += rgb[1];
-            moment += rgb[1] * (x * x + y * y);
-        }
-        let radius = (2.0 * moment / weight).sqrt();
+        let radius = crate::blur_radius(&image);
         let exact = a.hypot(0.02) / d;
         assert!(
             (radius / exact - 1.0).abs() < 0.02,

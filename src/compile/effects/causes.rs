@@ -25,8 +25,6 @@ pub struct Cause {
     pub why: String,
     /// Where it was written.
     pub place: Place,
-    /// Material, if it is one's.
-    pub material: Option<MaterialId>,
     /// How often it is drawn.
     pub times: u64,
 }
@@ -77,7 +75,6 @@ pub fn of(scene: &Scene, technique: &Technique) -> Effects {
                 what: what.clone(),
                 why,
                 place,
-                material,
                 times: 1,
             };
             effects.add(effect, cause);
@@ -282,7 +279,6 @@ fn of_camera(scene: &Scene, effects: &mut Effects) {
                 what: "the camera".to_owned(),
                 why: format!("lens of radius {}", camera.lens_radius),
                 place: camera.place.clone(),
-                material: None,
                 times: 1,
             },
         );
@@ -305,7 +301,6 @@ fn of_environment(scene: &Scene, effects: &mut Effects, seen: &mut Receivers) {
         what: "the environment".to_owned(),
         why,
         place: Place::None,
-        material: None,
         times: 1,
     };
     // A sky of one colour throws no caustics: it looks the same along any way.
@@ -332,7 +327,6 @@ impl Receivers {
             what: what.to_owned(),
             why: why.to_owned(),
             place: object.place.clone(),
-            material: None,
             times: 1,
         };
         if m.emission.factor.max_element() > 0.0 && object.visibility.indirect {
@@ -376,7 +370,6 @@ impl Receivers {
                 what,
                 why: "shines".to_owned(),
                 place: light.place.clone(),
-                material: None,
                 times: 1,
             });
         }

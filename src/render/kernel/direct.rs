@@ -3,10 +3,9 @@
 use super::contact::contact;
 use super::fold::Sides;
 use super::{Kernel, MIRROR_LIKE, MOST_PASSES, NO_ATTRIBUTES, PathStats, Way, go_on};
-use crate::math::robust::offset_origin;
 use crate::render::light::{LightSample, mis_weight};
 use crate::render::medium::MediumStack;
-use crate::render::ray::{Hit, PrimRef, Ray, ray_mask};
+use crate::render::ray::{Hit, PrimRef, Ray};
 use crate::render::report::Anomaly;
 use crate::render::surface::Surface;
 use crate::render::technique::Direct;
@@ -57,16 +56,7 @@ impl Kernel<'_> {
         if unshadowed == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let origin = offset_origin(surface.p, surface.p_error, surface.ng, light.wi);
-        let ray = Ray {
-            origin,
-            dir: light.wi,
-            dir_low: light.wi_low,
-            t_max: light.t_max - (origin - surface.p).length() * light.slant,
-            from: surface.prim,
-            to: light.to,
-            mask: ray_mask::SHADOW,
-        };
+        let ray = light.shadow_ray(surface);
         // Nearer than rounding can tell the light may as well be behind: what the ray meets decides.
         if ray.t_max <= 0.0 && light.to != PrimRef::NONE && !self.scene.geometry.reaches(&ray) {
             return Vec3::ZERO;

@@ -38,8 +38,9 @@ pub use set::LightSet;
 pub use sphere::SphereLight;
 pub use triangle::TriangleLight;
 
-use super::ray::PrimRef;
-use crate::math::robust::gamma;
+use super::ray::{PrimRef, Ray, ray_mask};
+use super::surface::Surface;
+use crate::math::robust::{gamma, offset_origin};
 use glam::{Vec2, Vec3};
 
 /// Something that shines. Emitting surfaces that have no variant here (cones, tori, ellipsoids) are found by hits only.
@@ -145,6 +146,23 @@ pub struct LightSample {
     pub light: u32,
     /// Whether blockers count at all.
     pub casts_shadow: bool,
+}
+
+impl LightSample {
+    /// The ray from a surface to the light: what it meets before its end blocks.
+    #[inline(always)]
+    pub fn shadow_ray(&self, surface: &Surface) -> Ray {
+        let origin = offset_origin(surface.p, surface.p_error, surface.ng, self.wi);
+        Ray {
+            origin,
+            dir: self.wi,
+            dir_low: self.wi_low,
+            t_max: self.t_max - (origin - surface.p).length() * self.slant,
+            from: surface.prim,
+            to: self.to,
+            mask: ray_mask::SHADOW,
+        }
+    }
 }
 
 /// A place where a ray hit a light.
