@@ -1,6 +1,6 @@
 //! A scene as text: stable, one thing a line, numbers in their shortest exact form. For tests and `inspect`.
 
-use super::dump_material::material_text;
+use super::dump_material::{material_text, medium_text};
 use super::*;
 use glam::{DAffine3, DVec3};
 use std::fmt::Write;
@@ -27,6 +27,16 @@ impl Scene {
             dump_camera(line, c, self.active_camera == Some(i));
         }
         dump_environment(line, &self.environment);
+        if !self.atmosphere.is_clear() {
+            push(line, 0, &format!("atmosphere{}", medium_text(&self.atmosphere)));
+        }
+        for f in &self.fogs {
+            push(
+                line,
+                0,
+                &format!("fog {} distance {} {:?}", vec(f.color), num(f.distance), f.ground),
+            );
+        }
         for l in &self.lights {
             dump_light(line, l);
         }

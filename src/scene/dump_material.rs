@@ -17,6 +17,23 @@ fn scalar(s: &ScalarInput) -> String {
     format!("{}{texture}", num(s.factor))
 }
 
+/// What a medium does, each with a space before it; nothing for a clear one.
+pub(super) fn medium_text(m: &Medium) -> String {
+    let mut text = String::new();
+    let parts = [
+        ("absorption", m.absorption),
+        ("scattering", m.scattering),
+        ("medium emission", m.emission),
+    ];
+    for (name, v) in parts.into_iter().filter(|(_, v)| *v != DVec3::ZERO) {
+        let _ = write!(text, " {name} {}", vec(v));
+    }
+    if m.phase != Phase::default() {
+        let _ = write!(text, " phase {:?}", m.phase);
+    }
+    text
+}
+
 pub(super) fn material_text(m: &Material) -> String {
     let mut text = surface_text(&m.surface);
     if m.emission.factor != DVec3::ZERO {
@@ -31,9 +48,7 @@ pub(super) fn material_text(m: &Material) -> String {
     if let Some(n) = m.normal_map {
         let _ = write!(text, " normal_map {} {}", n.texture.0, num(n.scale));
     }
-    if m.interior.absorption != DVec3::ZERO {
-        let _ = write!(text, " absorption {}", vec(m.interior.absorption));
-    }
+    text += &medium_text(&m.interior);
     if !m.name.is_empty() {
         let _ = write!(text, " name {:?}", m.name);
     }
@@ -171,6 +186,9 @@ fn finish_text(f: &Finish) -> String {
     }
     if f.conserve_energy {
         text.push_str(" conserve_energy");
+    }
+    if f.dispersion != 0.0 {
+        let _ = write!(text, " dispersion {}", num(f.dispersion));
     }
     if let Some(ior) = f.ior {
         let _ = write!(text, " ior {}", num(ior));

@@ -1,6 +1,6 @@
 //! Materials as they are written; `compile` turns them into recipes for the engine.
 
-use super::{Channel, Place, TextureId};
+use super::{Channel, Medium, Place, TextureId};
 use glam::DVec3;
 
 /// A colour that may vary over the surface: `factor · texture.rgb` (or `factor` alone). Linear RGB.
@@ -89,13 +89,6 @@ pub struct NormalMap {
     pub texture: TextureId,
     /// Factor on x and y.
     pub scale: f64,
-}
-
-/// What fills the inside of a solid.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Interior {
-    /// Absorption coefficient per world unit and channel, ≥ 0: transmittance over d is exp(−σ·d).
-    pub absorption: DVec3,
 }
 
 /// The glTF material set (metallic-roughness with its extensions), same words in snake_case.
@@ -212,6 +205,8 @@ pub struct Finish {
     pub conserve_energy: bool,
     /// `interior { ior }`: bends what passes.
     pub ior: Option<f64>,
+    /// 20 / Abbe number; 0 for none.
+    pub dispersion: f64,
 }
 
 impl Default for Finish {
@@ -232,6 +227,7 @@ impl Default for Finish {
             reflection: None,
             conserve_energy: false,
             ior: None,
+            dispersion: 0.0,
         }
     }
 }
@@ -313,7 +309,7 @@ pub struct Material {
     /// Perturbs the shading normal.
     pub normal_map: Option<NormalMap>,
     /// What fills a solid of this material.
-    pub interior: Interior,
+    pub interior: Medium,
     /// Where it was written.
     pub place: Place,
 }
@@ -328,7 +324,7 @@ impl Material {
             emission_sides: EmissionSides::ByShape,
             opacity: Opacity::default(),
             normal_map: None,
-            interior: Interior::default(),
+            interior: Medium::default(),
             place: Place::None,
         }
     }

@@ -11,6 +11,7 @@ mod dump_material;
 mod image;
 mod light;
 mod material;
+mod medium;
 mod merge;
 mod mesh;
 mod settings;
@@ -21,9 +22,10 @@ pub use camera::{Aspect, Camera, Projection};
 pub use image::{Image, ImageSource};
 pub use light::{Environment, EnvironmentKind, Falloff, Light, LightKind, SpotProfile};
 pub use material::{
-    ColorInput, EmissionSides, Finish, FinishReflection, Interior, Material, NormalMap, Opacity, OpacityMode,
-    Principled, ScalarInput, SurfaceModel,
+    ColorInput, EmissionSides, Finish, FinishReflection, Material, NormalMap, Opacity, OpacityMode, Principled,
+    ScalarInput, SurfaceModel,
 };
+pub use medium::{Fog, GroundFog, Medium, Phase};
 pub use mesh::{Mesh, mend_normals};
 pub use settings::{FilterKind, RenderDefaults};
 pub use shape::{Object, Shape, Visibility};
@@ -109,6 +111,10 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Light from infinitely far away.
     pub environment: Environment,
+    /// What fills the space outside of all solids.
+    pub atmosphere: Medium,
+    /// Fogs in it.
+    pub fogs: Vec<Fog>,
     /// What the scene asks of the renderer.
     pub defaults: RenderDefaults,
     /// Material of objects that have none and inherit none; `None` is a white diffuse surface.

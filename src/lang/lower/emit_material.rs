@@ -2,7 +2,7 @@
 
 use crate::lang::desc::{FinishDesc, InteriorDesc, Layer, Look, ModelSurface, SurfaceDesc};
 use crate::lang::eval::Interp;
-use crate::scene::{Finish, Interior, Material, MaterialId, Place, Scene, SurfaceModel};
+use crate::scene::{Finish, Material, MaterialId, Medium, Place, Scene, SurfaceModel};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -259,7 +259,7 @@ impl Interp<'_> {
             }
             material.emission = (material.emission.factor + radiance).into();
         }
-        material.interior = Interior { absorption: absorbs };
+        material.interior = Medium::absorbing(absorbs);
         material.place = Place::Text(s.span);
         Some(material)
     }
