@@ -3,6 +3,7 @@
 use super::images::Images;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::render::material as engine;
+use crate::render::medium::CLEAR;
 use crate::render::technique::{Technique, TextureFilter};
 use crate::render::texture as tex;
 use crate::scene::{
@@ -23,6 +24,8 @@ pub struct Materials<'a, 'i> {
     filter: TextureFilter,
     /// The engine's materials.
     pub materials: Vec<engine::Material>,
+    /// What fills solids.
+    pub media: super::media::Media,
     /// The engine's textures.
     pub nodes: Vec<tex::Texture>,
 }
@@ -41,6 +44,7 @@ impl<'a, 'i> Materials<'a, 'i> {
             scattering: engine::Scattering::from(technique),
             filter: technique.textures,
             materials: Vec::new(),
+            media: super::media::Media::new(),
             nodes: Vec::new(),
         }
     }
@@ -91,15 +95,15 @@ impl<'a, 'i> Materials<'a, 'i> {
             out.alpha = engine::Alpha::Opaque;
         }
         out.normal_map = material.normal_map.as_ref().and_then(|n| self.normal_map(n, diags));
-        out.absorption = material.interior.absorption.as_vec3();
+        out.medium = self.media.add(&material.interior);
         (out.ior, out.dispersion, out.interior) = solid(&material);
         if let engine::SurfaceModel::Mix { a, b, .. } = &out.surface {
             // What is glass in part is a solid as a whole.
             let parts = [a, b].map(|id| &self.materials[*id as usize]);
             if let Some(part) = parts.into_iter().find(|m| m.interior) {
                 (out.ior, out.dispersion, out.interior) = (part.ior, part.dispersion, true);
-                if out.absorption == Vec3::ZERO {
-                    out.absorption = part.absorption;
+                if out.medium == CLEAR {
+                    out.medium = part.medium;
                 }
             }
         }
@@ -351,14 +355,19 @@ fn solid(material: &Material) -> (f32, f32, bool) {
             let transmits = p.thick && p.transmission.factor > 0.0;
             (
                 if p.ior == 0.0 { f32::INFINITY } else { p.ior as f32 },
-                p.dispersion as f32,
+                if transmits { p.dispersion as f32 } else { 0.0 },
                 transmits,
             )
         }
         SurfaceModel::Finish(f) => {
             let passes = f.filter > 0.0 || f.transmit > 0.0;
-            let absorbs = material.interior.absorption != DVec3::ZERO;
-            (f.ior.unwrap_or(1.0) as f32, 0.0, passes && (f.ior.is_some() || absorbs))
+            let is_filled = !material.interior.is_clear();
+            let dispersion = if f.ior.is_some() { f.dispersion as f32 } else { 0.0 };
+            (
+                f.ior.unwrap_or(1.0) as f32,
+                dispersion,
+                passes && (f.ior.is_some() || is_filled),
+            )
         }
         SurfaceModel::Black
         | SurfaceModel::Diffuse { .. }

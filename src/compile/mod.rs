@@ -10,6 +10,7 @@ mod flatten;
 mod images;
 mod lights;
 mod materials;
+mod media;
 mod objects;
 pub mod unused;
 
@@ -81,23 +82,33 @@ pub fn compile_with(
     }
     objects.finish(diags);
     let (objects, meshes, mut lights) = (objects.objects, objects.meshes, objects.lights);
-    let (materials, nodes) = (materials.materials, materials.nodes);
+    let atmosphere = materials.media.add_atmosphere(scene, diags);
+    let (materials, media, nodes) = (materials.materials, materials.media.table, materials.nodes);
     if errors(diags) > before {
         return None;
     }
     caps::cut_by_walls(&mut lights, objects.iter().map(|o| &o.shape), glam::DVec3::ZERO);
     let geometry = Geometry::build_as(technique.build, objects, meshes);
     let lights = LightSet::with_pick(lights, technique.lights, geometry.bounds());
+    let fogs = media::fogs(scene, origin);
     let traits = SceneTraits {
         see_through: materials.iter().any(is_see_through),
         lamp_through_glass: lights.has_delta() && materials.iter().any(|m| m.interior),
         solids: materials.iter().any(|m| m.interior),
+        media: media.len() > 1 || !fogs.is_empty(),
+        textures: materials
+            .iter()
+            .any(|m| m.needs_attributes || m.alpha != Alpha::Opaque || m.normal_map.is_some()),
+        dispersion: materials.iter().any(|m| m.dispersion > 0.0),
     };
     Some(CompiledScene {
         contacts: contacts(&geometry, &materials),
         origin,
         camera: engine_camera?,
         geometry,
+        media,
+        atmosphere,
+        fogs,
         materials,
         textures: Textures {
             nodes,

@@ -29,3 +29,4 @@ pub mod surface;
 pub mod technique;
 pub mod texture;
 pub mod tiles;
+pub mod wavelength;

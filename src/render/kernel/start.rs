@@ -31,7 +31,7 @@ pub(super) fn media_around_camera(scene: &CompiledScene) -> MediumStack {
                 } else if let Some(i) = open.iter().rposition(|&o| o == object) {
                     open.remove(i);
                 } else {
-                    left_from_inside.push((object, material.ior, material.absorption));
+                    left_from_inside.push((object, material.ior, material.medium));
                 }
             };
             let front = dir.dot(surface.ng) < 0.0;
@@ -44,8 +44,8 @@ pub(super) fn media_around_camera(scene: &CompiledScene) -> MediumStack {
     }
     // The first one left is the innermost.
     let mut media = MediumStack::default();
-    for (object, ior, absorption) in left_from_inside.into_iter().rev() {
-        media.enter(object, ior, absorption);
+    for (object, ior, medium) in left_from_inside.into_iter().rev() {
+        media.enter(object, ior, medium);
     }
     media
 }

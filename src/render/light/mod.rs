@@ -149,6 +149,17 @@ pub struct LightSample {
 }
 
 impl LightSample {
+    /// The ray from a point in free space to the light: what it meets before its end blocks.
+    pub fn shadow_ray_from(&self, p: Vec3) -> Ray {
+        Ray {
+            dir_low: self.wi_low,
+            t_max: self.t_max,
+            to: self.to,
+            mask: ray_mask::SHADOW,
+            ..Ray::new(p, self.wi)
+        }
+    }
+
     /// The ray from a surface to the light: what it meets before its end blocks.
     #[inline(always)]
     pub fn shadow_ray(&self, surface: &Surface) -> Ray {
