@@ -63,6 +63,9 @@ impl Interp<'_> {
             out.active_camera = Some(0);
         }
         self.emit_environment(&mut out);
+        let media = std::mem::take(&mut self.scene.media);
+        out.atmosphere = self.medium_of(&media);
+        self.emit_fogs(&mut out);
         out
     }
 
