@@ -173,7 +173,8 @@ impl Interp<'_> {
         let index = |nm: f64| ior * ratio.powf((555.0 - nm) / 350.0);
         let over_abbe = 20.0 * (index(486.13) - index(656.27)) / (ior - 1.0);
         if ratio != 1.0 && !(over_abbe > 0.0 && over_abbe.is_finite()) {
-            let message = format!("`dispersion {ratio}` of `ior {ior}` spreads no colours as a material does, left out");
+            let message =
+                format!("`dispersion {ratio}` of `ior {ior}` spreads no colours as a material does, left out");
             self.warn_once("P0409", at, message);
             return 0.0;
         }

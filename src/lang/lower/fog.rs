@@ -41,7 +41,12 @@ impl Interp<'_> {
                     _ if s.starts_color() => fog.color = s.color()?,
                     T::Name(n) if matches!(s.scopes.get(n), Some(Value::Desc(_) | Value::Poison)) => {
                         match s.take_value()? {
-                            Value::Desc(Desc::Fog(named)) => fog = FogDesc { span, ..(*named).clone() },
+                            Value::Desc(Desc::Fog(named)) => {
+                                fog = FogDesc {
+                                    span,
+                                    ..(*named).clone()
+                                }
+                            }
                             Value::Poison => return Err(Stop),
                             other => {
                                 let message = format!("expected a fog, found {}", other.kind());
@@ -102,7 +107,8 @@ impl Interp<'_> {
     pub(super) fn emit_fogs(&mut self, out: &mut Scene) {
         for fog in std::mem::take(&mut self.scene.fogs) {
             let Some(distance) = fog.distance else {
-                let d = Diagnostic::warning("P0414", "fog without `distance` is not there, as in POV-Ray").at(fog.span, "");
+                let d =
+                    Diagnostic::warning("P0414", "fog without `distance` is not there, as in POV-Ray").at(fog.span, "");
                 self.report(d.hint("give the way on which 37 % of what lies behind is left"));
                 continue;
             };

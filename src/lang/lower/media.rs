@@ -41,7 +41,12 @@ impl Interp<'_> {
                     }
                     T::Name(n) if s.scopes.get(n).is_some() => {
                         match s.take_value()? {
-                            Value::Desc(Desc::Media(named)) => m = MediaDesc { span, ..(*named).clone() },
+                            Value::Desc(Desc::Media(named)) => {
+                                m = MediaDesc {
+                                    span,
+                                    ..(*named).clone()
+                                }
+                            }
                             Value::Poison => return Err(Stop),
                             other => {
                                 let message = format!("expected a medium, found {}", other.kind());
@@ -133,7 +138,8 @@ impl Interp<'_> {
             4.0 => Phase::Rayleigh,
             5.0 => Phase::HenyeyGreenstein(eccentricity),
             _ => {
-                let d = Diagnostic::error("P0311", format!("type of scattering must be 1 to 5, found {kind}")).at(at, "");
+                let d =
+                    Diagnostic::error("P0311", format!("type of scattering must be 1 to 5, found {kind}")).at(at, "");
                 let types = "1 isotropic, 2 Mie haze, 3 murky Mie, 4 Rayleigh, 5 Henyey–Greenstein";
                 return Err(self.report(d.hint(types)));
             }
@@ -180,7 +186,8 @@ impl Interp<'_> {
         let mut all = Medium::default();
         for m in media.iter().filter(|m| !m.is_clear()) {
             if let Some((word, at)) = m.pattern {
-                let message = format!("`{word}` is not supported yet: the medium is as dense everywhere as in the mean");
+                let message =
+                    format!("`{word}` is not supported yet: the medium is as dense everywhere as in the mean");
                 self.warn_once("P0412", at, message);
             }
             if let Some(at) = m.effort
