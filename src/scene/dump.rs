@@ -31,10 +31,13 @@ impl Scene {
             push(line, 0, &format!("atmosphere{}", medium_text(&self.atmosphere)));
         }
         for f in &self.fogs {
+            let ground = f.ground.map_or(String::new(), |g| {
+                format!(" up {} offset {} falloff {}", vec(g.up), num(g.offset), num(g.falloff))
+            });
             push(
                 line,
                 0,
-                &format!("fog {} distance {} {:?}", vec(f.color), num(f.distance), f.ground),
+                &format!("fog {} distance {}{ground}", vec(f.color), num(f.distance)),
             );
         }
         for l in &self.lights {

@@ -113,6 +113,8 @@ pub struct Scene {
     pub environment: Environment,
     /// What fills the space outside of all solids.
     pub atmosphere: Medium,
+    /// Where the atmosphere was written.
+    pub atmosphere_place: Place,
     /// Fogs in it.
     pub fogs: Vec<Fog>,
     /// What the scene asks of the renderer.

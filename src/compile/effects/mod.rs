@@ -23,7 +23,7 @@ pub enum Effect {
     Bump,
     /// Coverage, and light that passes straight through surfaces.
     Alpha,
-    /// What fills solids: absorption.
+    /// What fills solids and the air: absorption, scattering, emission, fog.
     Media,
     /// An index of refraction that depends on the colour.
     Dispersion,
@@ -94,7 +94,7 @@ impl Effect {
             Textures => "images on surfaces are their mean colour",
             Bump => "surfaces are as smooth as their shapes",
             Alpha => "surfaces are wholly there",
-            Media => "solids are clear inside",
+            Media => "solids and the air are clear",
             Dispersion => "all colours are refracted alike",
             Lens => "everything is sharp",
             Environment => "the sky is seen but lights nothing",

@@ -63,6 +63,10 @@ impl Interp<'_> {
             out.active_camera = Some(0);
         }
         self.emit_environment(&mut out);
+        let media = std::mem::take(&mut self.scene.media);
+        out.atmosphere = self.medium_of(&media);
+        out.atmosphere_place = media.first().map_or(Place::None, |m| Place::Text(m.span));
+        self.emit_fogs(&mut out);
         out
     }
 
