@@ -16,6 +16,9 @@ pub trait Files: Sync + Send {
     /// Whether a file (not a directory) of this name can be read.
     fn exists(&self, path: &Path) -> bool;
 
+    /// How many bytes a file has, found out without opening it; `None` if there is no such file.
+    fn size(&self, path: &Path) -> Option<u64>;
+
     /// Names of the entries of a directory, for tolerant look-up (letter case, backslashes); empty if unreadable.
     fn list(&self, dir: &Path) -> Vec<String>;
 
@@ -60,6 +63,11 @@ impl Files for DiskFiles {
 
     fn exists(&self, path: &Path) -> bool {
         path.is_file()
+    }
+
+    fn size(&self, path: &Path) -> Option<u64> {
+        let meta = std::fs::metadata(path).ok()?;
+        meta.is_file().then_some(meta.len())
     }
 
     fn list(&self, dir: &Path) -> Vec<String> {
@@ -111,6 +119,10 @@ impl Files for MemoryFiles {
 
     fn exists(&self, path: &Path) -> bool {
         self.files.contains_key(path)
+    }
+
+    fn size(&self, path: &Path) -> Option<u64> {
+        self.files.get(path).map(|data| data.len() as u64)
     }
 
     fn list(&self, dir: &Path) -> Vec<String> {

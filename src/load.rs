@@ -202,6 +202,13 @@ impl<F: Files> Files for StdinFiles<F> {
         path == Path::new(STDIN_NAME) || self.inner.exists(path)
     }
 
+    fn size(&self, path: &Path) -> Option<u64> {
+        if path == Path::new(STDIN_NAME) {
+            return Some(self.stdin.len() as u64);
+        }
+        self.inner.size(path)
+    }
+
     fn list(&self, dir: &Path) -> Vec<String> {
         self.inner.list(dir)
     }

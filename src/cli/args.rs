@@ -62,7 +62,7 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Read scenes and everything they use, and report all mistakes, without rendering.
     Check(CheckArgs),
-    /// Show what a scene calls for and who calls for it, what it holds and does not need, and how large it is.
+    /// Show what a scene calls for and who calls for it, what is pruned because the picture does not need it, and how large it is.
     Inspect(InspectArgs),
     /// Measure how far an image is from a reference, and whether noise explains it.
     #[command(after_help = COMPARE_EXIT_CODES)]
@@ -93,6 +93,9 @@ pub struct RenderArgs {
     /// How light is sampled.
     #[command(flatten)]
     pub sampling: SamplingArgs,
+    /// What is taken out of the scene.
+    #[command(flatten)]
+    pub prune: PruneArgs,
     /// Which part of the picture is rendered.
     #[command(flatten)]
     pub parts: PartArgs,
@@ -229,6 +232,15 @@ pub struct LoadArgs {
     pub variant: Option<String>,
 }
 
+/// What is taken out of a scene before it is rendered.
+#[derive(Args, Clone, Debug)]
+pub struct PruneArgs {
+    /// Compute also what the picture does not need: dark lamps, coverage that is full everywhere, images that are one
+    /// colour, … The picture stays the same but for noise.
+    #[arg(long, help_heading = SCENE)]
+    pub no_prune: bool,
+}
+
 /// What is said on the terminal, for all commands.
 #[derive(Args, Clone, Debug)]
 pub struct TerminalArgs {
@@ -269,12 +281,18 @@ pub struct InspectArgs {
     /// How it is told on standard output: as text, or as one JSON document.
     #[arg(long, value_name = "FORMAT", default_value = "human", help_heading = OUTPUT)]
     pub format: ReportFormat,
+    /// The same as --format json.
+    #[arg(long, conflicts_with = "format", help_heading = OUTPUT)]
+    pub json: bool,
     /// Width and height of the picture [default: the scene's, else 800x600].
     #[arg(short, long, value_name = "WxH", help_heading = PICTURE)]
     pub resolution: Option<Resolution>,
     /// What replaces parts of the scene.
     #[command(flatten)]
     pub view: ViewArgs,
+    /// What is taken out of it.
+    #[command(flatten)]
+    pub prune: PruneArgs,
     /// How the scene is read.
     #[command(flatten)]
     pub load: LoadArgs,

@@ -70,6 +70,10 @@ impl<F: Files> Files for HashingFiles<F> {
         self.inner.exists(path)
     }
 
+    fn size(&self, path: &Path) -> Option<u64> {
+        self.inner.size(path)
+    }
+
     fn list(&self, dir: &Path) -> Vec<String> {
         self.inner.list(dir)
     }

@@ -8,7 +8,8 @@ use super::plan::{self, Goal};
 use super::progress::Meter;
 use super::summary::{self, Summary, is_goal_missed};
 use super::{Exit, accuracy, checkpoint, metadata, replay, scene, signals};
-use crate::compile::compile_with;
+use crate::compile::compile_pruned;
+use crate::compile::prune::{Pruned, prune};
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
 use crate::math::words::clock;
@@ -220,7 +221,12 @@ fn build<F: Files>(
         effect.leave_out(&mut scene, &mut settings.technique, files);
     }
     let compiling = Instant::now();
-    let Some(compiled) = compile_with(&scene, files, size[0], size[1], &settings.technique, diags) else {
+    let pruned = if args.prune.no_prune {
+        Pruned::untouched(&scene, files)
+    } else {
+        prune(&scene, files, diags)
+    };
+    let Some(compiled) = compile_pruned(pruned, size[0], size[1], &settings.technique, diags) else {
         return Ok(None);
     };
     console.detail(&format!("compiled it in {}", clock(compiling.elapsed().as_secs_f64())));

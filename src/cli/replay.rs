@@ -66,6 +66,9 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     if let Some(list) = args.sampling.without_list() {
         words.extend(["--without".to_owned(), list]);
     }
+    if args.prune.no_prune {
+        words.push("--no-prune".to_owned());
+    }
     if let Some(depth) = args.sampling.max_depth {
         words.extend(["--max-depth".to_owned(), depth.to_string()]);
     }
@@ -166,6 +169,7 @@ mod tests {
             "--no-caustics",
             "--max-depth",
             "7",
+            "--no-prune",
             "--nets",
             "8",
             "--filter",
@@ -188,7 +192,7 @@ mod tests {
         settings.seed = 7;
         settings.filter = crate::render::settings::Filter::Box;
         let text = command(&first, &settings, 4, true);
-        let technique = "--sampler independent --direct light --clamp 0.1 --no-caustics --max-depth 7";
+        let technique = "--sampler independent --direct light --clamp 0.1 --no-caustics --no-prune --max-depth 7";
         assert!(text.contains(technique), "{text}");
         // No word of this command holds a blank but the camera's.
         let camera = "'location=1,2,3 angle=40'";

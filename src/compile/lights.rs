@@ -9,14 +9,15 @@ use crate::scene;
 use crate::scene::{EnvironmentKind, Handedness, LightKind, Scene};
 use glam::{DVec3, Vec3};
 
-/// All lamps of the scene that shine at all, relative to `origin`. One whose light is no number is left out.
+/// All lamps of the scene, relative to `origin`. One whose light is no number is left out, and so is one that is nowhere
+/// above 0 and somewhere below: there is no negative light. Black ones are [`super::prune`]'s business.
 pub fn lamps(scene: &Scene, origin: DVec3, diags: &mut Diagnostics) -> Vec<Light> {
     let (sound, bad): (Vec<_>, Vec<_>) = scene.lights.iter().partition(|l| l.color.as_vec3().is_finite());
     if !bad.is_empty() {
         let message = format!("{} lamps are brighter than numbers go: they are left out", bad.len());
         diags.push(Diagnostic::warning("C0106", message).counting(Anomaly::DroppedShape, bad.len() as u64));
     }
-    let shines = |l: &&scene::Light| l.color.max_element() > 0.0;
+    let shines = |l: &&scene::Light| l.color.max_element() > 0.0 || l.color == DVec3::ZERO;
     sound.into_iter().filter(shines).map(|l| lamp(l, origin)).collect()
 }
 
@@ -96,7 +97,6 @@ pub fn environment(scene: &Scene, images: &mut Images<'_>, diags: &mut Diagnosti
     let environment = &scene.environment;
     let light = match &environment.kind {
         EnvironmentKind::Black => None,
-        EnvironmentKind::Constant(c) if *c == DVec3::ZERO => None,
         EnvironmentKind::Constant(c) => Some(EnvironmentLight::Constant(c.as_vec3())),
         EnvironmentKind::Image {
             image,

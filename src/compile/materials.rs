@@ -88,19 +88,16 @@ impl<'a, 'i> Materials<'a, 'i> {
             }
             OpacityMode::Blend => engine::Alpha::Blend(self.scalar(&material.opacity.alpha, diags)),
         };
-        if let engine::Alpha::Mask(a, _) | engine::Alpha::Blend(a) = &out.alpha
-            && a.texture.is_none()
-            && a.factor >= 1.0
-        {
-            out.alpha = engine::Alpha::Opaque;
-        }
         out.normal_map = material.normal_map.as_ref().and_then(|n| self.normal_map(n, diags));
         out.medium = self.media.add(&material.interior);
         (out.ior, out.dispersion, out.interior) = solid(&material);
-        if let engine::SurfaceModel::Mix { a, b, .. } = &out.surface {
+        if let engine::SurfaceModel::Mix { a, b, weight } = &out.surface {
             // What is glass in part is a solid as a whole.
-            let parts = [a, b].map(|id| &self.materials[*id as usize]);
-            if let Some(part) = parts.into_iter().find(|m| m.interior) {
+            let sole = weight.texture.is_none().then_some(weight.factor);
+            let parts = [(a, sole.is_some_and(|w| w >= 1.0)), (b, sole.is_some_and(|w| w <= 0.0))];
+            let parts = parts.into_iter().filter(|(_, is_absent)| !is_absent);
+            let mut parts = parts.map(|(id, _)| &self.materials[*id as usize]);
+            if let Some(part) = parts.find(|m| m.interior) {
                 (out.ior, out.dispersion, out.interior) = (part.ior, part.dispersion, true);
                 if out.medium == CLEAR {
                     out.medium = part.medium;
@@ -228,10 +225,18 @@ impl<'a, 'i> Materials<'a, 'i> {
     }
 
     fn normal_map(&mut self, n: &NormalMap, diags: &mut Diagnostics) -> Option<engine::NormalMap> {
-        Some(engine::NormalMap {
-            texture: self.texture(n.texture, diags)?,
-            scale: n.scale as f32,
-        })
+        let scale = n.scale as f32;
+        if let Some(Texture::Image(t)) = self.scene.textures.get(n.texture.index()) {
+            self.images.decode_all(&[t.image], diags);
+            if self.images.is_flat(t.image) {
+                // 8 bits have no number for a normal that is not leant; now it is one half.
+                self.nodes.push(tex::Texture::Constant(Vec3::new(0.5, 0.5, 1.0).extend(1.0)));
+                let texture = self.nodes.len() as u32 - 1;
+                return Some(engine::NormalMap { texture, scale });
+            }
+        }
+        let texture = self.texture(n.texture, diags)?;
+        Some(engine::NormalMap { texture, scale })
     }
 
     /// The engine's index of a texture; `None` if its image could not be read. Parts come before products.
@@ -347,12 +352,13 @@ fn wrap(w: Wrap) -> tex::Wrap {
 }
 
 /// Index of refraction, dispersion (20/Abbe) and whether crossing the surface enters a solid.
-fn solid(material: &Material) -> (f32, f32, bool) {
+pub(super) fn solid(material: &Material) -> (f32, f32, bool) {
     match &material.surface {
         SurfaceModel::Glass { ior, abbe, .. } => (*ior as f32, abbe.map_or(0.0, |v| 20.0 / v as f32), true),
         SurfaceModel::Glossy { ior, .. } => (*ior as f32, 0.0, false),
         SurfaceModel::Principled(p) => {
-            let transmits = p.thick && p.transmission.factor > 0.0;
+            let is_metal = p.metallic.texture.is_none() && p.metallic.factor >= 1.0;
+            let transmits = p.thick && p.transmission.factor > 0.0 && !is_metal;
             (
                 if p.ior == 0.0 { f32::INFINITY } else { p.ior as f32 },
                 if transmits { p.dispersion as f32 } else { 0.0 },

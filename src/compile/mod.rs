@@ -1,7 +1,8 @@
 //! From the description to the engine: only here are both known.
 //!
-//! The camera becomes the origin; groups are flattened; shapes, materials, textures, images and lights that are
-//! used are turned into the engine's tables. What nothing uses is not decoded and not built.
+//! First the description is pruned ([`prune`]). Then the camera becomes the origin; groups are flattened; shapes,
+//! materials, textures, images and lights that are used are turned into the engine's tables. What nothing uses is not
+//! decoded and not built.
 
 mod camera;
 mod caps;
@@ -12,18 +13,21 @@ mod lights;
 mod materials;
 mod media;
 mod objects;
-pub mod unused;
+pub mod prune;
 
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::files::Files;
 use crate::render::geometry::Geometry;
 use crate::render::light::LightSet;
 use crate::render::material::{Alpha, Material, SurfaceModel};
+use crate::render::ray::ray_mask;
 use crate::render::scene::{CompiledScene, SceneTraits};
 use crate::render::technique::Technique;
 use crate::render::texture::Textures;
 use crate::scene::{MaterialId, Place, Scene, Shape};
 use glam::Vec3;
+use images::Images;
+use prune::Pruned;
 
 /// Makes a scene ready to render at this size by the default technique. `None` if there are errors. Images are read
 /// through `files`, only those that something visible uses.
@@ -37,8 +41,7 @@ pub fn compile(
     compile_with(scene, files, width, height, &Technique::default(), diags)
 }
 
-/// As [`compile`], for a technique: how lights are chosen, how the tree is built, what approximations materials use and
-/// how images are looked up is decided here. Render with the same technique, which decides the rest.
+/// As [`compile`], for a technique: [`prune::prune`], then [`compile_pruned`].
 pub fn compile_with(
     scene: &Scene,
     files: &dyn Files,
@@ -47,6 +50,22 @@ pub fn compile_with(
     technique: &Technique,
     diags: &mut Diagnostics,
 ) -> Option<CompiledScene> {
+    let pruned = prune::prune(scene, files, diags);
+    compile_pruned(pruned, width, height, technique, diags)
+}
+
+/// As [`compile`], for a scene that is pruned already, or left as it was written ([`Pruned::untouched`]), and for a
+/// technique: how lights are chosen, how the tree is built, what approximations materials use and
+/// how images are looked up is decided here. Render with the same technique, which decides the rest.
+pub fn compile_pruned(
+    pruned: Pruned<'_>,
+    width: u32,
+    height: u32,
+    technique: &Technique,
+    diags: &mut Diagnostics,
+) -> Option<CompiledScene> {
+    let scene: &Scene = &pruned.scene;
+    let mut images: Images<'_> = pruned.images;
     let errors = |d: &Diagnostics| d.count(crate::diag::Severity::Error);
     let before = errors(diags);
     let Some(camera) = scene.camera() else {
@@ -68,7 +87,6 @@ pub fn compile_with(
         ));
     }
 
-    let mut images = images::Images::new(scene, files);
     let (environment, backdrop) = lights::environment(scene, &mut images, diags);
     let used = leaves.iter().flat_map(|leaf| materials_of(scene, leaf));
     images.decode_all(&materials::images_of(scene, used), diags);
@@ -87,7 +105,9 @@ pub fn compile_with(
     if errors(diags) > before {
         return None;
     }
-    caps::cut_by_walls(&mut lights, objects.iter().map(|o| &o.shape), glam::DVec3::ZERO);
+    // A wall that no shadow ray meets hides nothing of a lamp.
+    let walls = objects.iter().filter(|o| o.visibility & ray_mask::SHADOW != 0);
+    caps::cut_by_walls(&mut lights, walls.map(|o| &o.shape), glam::DVec3::ZERO);
     let geometry = Geometry::build_as(technique.build, objects, meshes);
     let lights = LightSet::with_pick(lights, technique.lights, geometry.bounds());
     let fogs = media::fogs(scene, origin);
@@ -160,7 +180,7 @@ fn materials_of<'a>(scene: &'a Scene, leaf: &flatten::Leaf<'_>) -> impl Iterator
 
 fn emits(scene: &Scene, id: MaterialId) -> bool {
     let emission = scene.materials.get(id.index()).map(|m| &m.emission);
-    emission.is_some_and(|e| e.texture.is_some() || e.factor != glam::DVec3::ZERO)
+    emission.is_some_and(|e| e.factor != glam::DVec3::ZERO)
 }
 
 /// Whether light may pass a material unbent.

@@ -17,6 +17,7 @@ mod picture;
 pub mod png;
 pub mod ppm;
 mod quantize;
+mod uniform;
 
 pub use decode::{Limits, decode};
 pub use error::EncodeError;

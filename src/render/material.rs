@@ -22,7 +22,7 @@ use super::wavelength::Wavelength;
 use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
 use glam::Vec3;
-use models::{dielectric_coat, is_rough_solid, roughness_to_alpha};
+use models::{chance, dielectric_coat, is_rough_solid, roughness_to_alpha};
 use normal::{mapped_normal, visible_normal};
 
 /// How coverage is used.
@@ -310,7 +310,7 @@ impl Material {
             let SurfaceModel::Mix { a, b, weight } = &part.surface else {
                 break;
             };
-            let id = if random() < weight.unit(cx) { *b } else { *a };
+            let id = if chance(weight.unit(cx), random) { *b } else { *a };
             match cx.materials.get(id as usize) {
                 Some(next) => part = next,
                 None => break,

@@ -15,17 +15,19 @@ impl Scene {
             textures: self.textures.len() as u32,
             images: self.images.len() as u32,
         };
+        self.left_out.extend(other.left_out);
         self.images.extend(other.images);
         self.textures
             .extend(other.textures.into_iter().map(|t| offset.texture(t)));
         self.materials
             .extend(other.materials.into_iter().map(|m| offset.material(m)));
-        self.meshes.extend(other.meshes.into_iter().map(|mut mesh| {
+        let theirs = Arc::unwrap_or_clone(other.meshes).into_iter().map(|mut mesh| {
             for slot in mesh.materials.iter_mut().flatten() {
                 slot.0 += offset.materials;
             }
             mesh
-        }));
+        });
+        Arc::make_mut(&mut self.meshes).extend(theirs);
         for mut group in other.groups {
             group.objects.iter_mut().for_each(|o| offset.object(o));
             self.groups.push(group);

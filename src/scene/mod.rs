@@ -9,6 +9,7 @@ mod camera;
 mod dump;
 mod dump_material;
 mod image;
+mod left_out;
 mod light;
 mod material;
 mod medium;
@@ -20,6 +21,7 @@ mod texture;
 
 pub use camera::{Aspect, Camera, Projection};
 pub use image::{Image, ImageSource};
+pub use left_out::LeftOut;
 pub use light::{Environment, EnvironmentKind, Falloff, Light, LightKind, SpotProfile};
 pub use material::{
     ColorInput, EmissionSides, Finish, FinishReflection, Material, NormalMap, Opacity, OpacityMode, Principled,
@@ -32,6 +34,7 @@ pub use shape::{Object, Shape, Visibility};
 pub use texture::{Channel, Encoding, ImageTexture, TexelFilter, Texture, Wrap};
 
 use crate::diag::Span;
+use std::sync::Arc;
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -99,8 +102,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Object sets that `Shape::Group` places.
     pub groups: Vec<Group>,
-    /// Triangle meshes that `Shape::Mesh` places.
-    pub meshes: Vec<Mesh>,
+    /// Triangle meshes that `Shape::Mesh` places; shared, so that a changed copy of a scene does not copy them.
+    pub meshes: Arc<Vec<Mesh>>,
     /// Materials.
     pub materials: Vec<Material>,
     /// Textures that materials refer to.
@@ -121,6 +124,8 @@ pub struct Scene {
     pub defaults: RenderDefaults,
     /// Material of objects that have none and inherit none; `None` is a white diffuse surface.
     pub default_material: Option<MaterialId>,
+    /// What the files hold beside it and nobody needs; it was not read.
+    pub left_out: Vec<LeftOut>,
     /// Whether pixel values are shown without sRGB encoding (POV-Ray scenes without `assumed_gamma`).
     pub display_is_linear: bool,
     /// Whether the scene is a bare model that brought neither camera nor light (framing and light are added).
@@ -136,7 +141,7 @@ impl Scene {
 
     /// Adds a mesh and returns its id.
     pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
-        self.meshes.push(mesh);
+        Arc::make_mut(&mut self.meshes).push(mesh);
         MeshId(self.meshes.len() as u32 - 1)
     }
 

@@ -4,7 +4,7 @@
 //! excluded counts as used: an axis that turns out to change nothing costs time, a missing one hides something.
 
 use crate::compile::effects::image_inputs;
-use crate::compile::unused::Reached;
+use crate::compile::prune::Reached;
 use crate::render::light::LightSet;
 use crate::scene::{
     Environment, EnvironmentKind, Material, Object, OpacityMode, Principled, Scene, Shape, SurfaceModel, Texture,

@@ -130,9 +130,9 @@ fn drawn(scene: &Scene) -> Vec<(&Object, Option<MaterialId>)> {
     out
 }
 
-/// `sphere "ball"`.
-fn name(shape: &Shape, name: &str) -> String {
-    let word = match shape {
+/// `sphere`.
+pub fn kind_of(shape: &Shape) -> &'static str {
+    match shape {
         Shape::Sphere { .. } => "sphere",
         Shape::Plane { .. } => "plane",
         Shape::Box { .. } => "box",
@@ -147,7 +147,12 @@ fn name(shape: &Shape, name: &str) -> String {
         Shape::Triangle { .. } => "triangle",
         Shape::Mesh(_) => "mesh",
         Shape::Group(_) => "group",
-    };
+    }
+}
+
+/// `sphere "ball"`.
+fn name(shape: &Shape, name: &str) -> String {
+    let word = kind_of(shape);
     if name.is_empty() {
         word.to_owned()
     } else {

@@ -20,7 +20,7 @@ pub(super) fn roughness_to_alpha(roughness: f32) -> f32 {
 }
 
 /// Whether an event of probability `p` happens; certain ones ask for no number.
-fn chance<F: FnMut() -> f32>(p: f32, random: &mut F) -> bool {
+pub(super) fn chance<F: FnMut() -> f32>(p: f32, random: &mut F) -> bool {
     p >= 1.0 || (p > 0.0 && random() < p)
 }
 

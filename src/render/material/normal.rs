@@ -2,11 +2,16 @@
 
 use super::{NormalMap, Shading};
 use crate::math::robust::try_normalize;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-/// The normal map's normal in world space, on the side of `ns`; `None` without a tangent frame.
+/// The normal map's normal in world space, on the side of `ns`; `None` without a tangent frame, and where the map leans it
+/// to no side.
 pub(super) fn mapped_normal(map: &NormalMap, cx: &Shading<'_>, ns: Vec3) -> Option<Vec3> {
     let t = cx.textures.eval(map.texture, cx.attrs).truncate() * 2.0 - Vec3::ONE;
+    let lean = Vec2::new(t.x, t.y) * map.scale;
+    if lean == Vec2::ZERO {
+        return None; // the very normal, to the bit
+    }
     let tangent = try_normalize(cx.attrs.tangent - ns * ns.dot(cx.attrs.tangent))?;
     let bitangent = ns.cross(tangent);
     let bitangent = if bitangent.dot(cx.attrs.bitangent) < 0.0 {
@@ -14,7 +19,7 @@ pub(super) fn mapped_normal(map: &NormalMap, cx: &Shading<'_>, ns: Vec3) -> Opti
     } else {
         bitangent
     };
-    let n = try_normalize(tangent * (t.x * map.scale) + bitangent * (t.y * map.scale) + ns * t.z)?;
+    let n = try_normalize(tangent * lean.x + bitangent * lean.y + ns * t.z)?;
     (n.dot(ns) > 0.0).then_some(n)
 }
 
