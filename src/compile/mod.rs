@@ -10,13 +10,14 @@ mod flatten;
 mod images;
 mod lights;
 mod materials;
+mod motion;
 mod objects;
 pub mod unused;
 
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::files::Files;
 use crate::render::geometry::Geometry;
-use crate::render::light::LightSet;
+use crate::render::light::{Light, LightSet};
 use crate::render::material::{Alpha, Material, SurfaceModel};
 use crate::render::scene::{CompiledScene, SceneTraits};
 use crate::render::technique::Technique;
@@ -85,13 +86,20 @@ pub fn compile_with(
     if errors(diags) > before {
         return None;
     }
-    caps::cut_by_walls(&mut lights, objects.iter().map(|o| &o.shape), glam::DVec3::ZERO);
+    caps::cut_by_walls(
+        &mut lights,
+        objects.iter().filter(|o| o.motion.is_none()).map(|o| &o.shape),
+        glam::DVec3::ZERO,
+    );
     let geometry = Geometry::build_as(technique.build, objects, meshes);
     let lights = LightSet::with_pick(lights, technique.lights, geometry.bounds());
     let traits = SceneTraits {
         see_through: materials.iter().any(is_see_through),
         lamp_through_glass: lights.has_delta() && materials.iter().any(|m| m.interior),
         solids: materials.iter().any(|m| m.interior),
+        moves: engine_camera.as_ref().is_some_and(|c| c.moves())
+            || geometry.objects().iter().any(|o| o.motion.is_some())
+            || (0..lights.len() as u32).any(|i| matches!(lights.get(i), Some(Light::Moving(_)))),
     };
     Some(CompiledScene {
         contacts: contacts(&geometry, &materials),

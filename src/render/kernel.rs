@@ -113,8 +113,10 @@ pub struct Kernel<'a> {
     caustics: bool,
     /// Whether surfaces take light samples at all.
     sample_lights: bool,
-    /// What the camera is inside of.
+    /// What the camera is inside of, at the shutter's opening.
     camera_media: MediumStack,
+    /// Whether that may change while the shutter is open.
+    media_vary: bool,
     axis: Vec3,
     aovs: bool,
 }
@@ -142,8 +144,9 @@ impl<'a> Kernel<'a> {
             } else {
                 !lights.is_empty()
             },
+            media_vary: start::media_vary(scene),
             camera_media: if scene.traits.solids {
-                start::media_around_camera(scene)
+                start::media_around_camera(scene, 0.0)
             } else {
                 MediumStack::default()
             },
@@ -163,9 +166,9 @@ impl<'a> Kernel<'a> {
         &self,
         sampler: &Sampler,
         stats: &mut PathStats,
-        camera_ray: impl FnOnce([f32; 4]) -> Ray,
+        camera_ray: impl FnOnce([f32; 4], f32) -> Ray,
     ) -> PathSample {
-        let ray = camera_ray(sampler.get4(0, Group::Primary));
+        let ray = camera_ray(sampler.get4(0, Group::Primary), self.time(sampler));
         let mut sample = self.path(sampler, stats, ray);
         if !sample.radiance.is_finite() {
             stats.anomalies.count(Anomaly::NonFinite, 1);
@@ -202,7 +205,7 @@ impl<'a> Kernel<'a> {
             pdf: None,
             way: Way::Any,
         };
-        let mut media = self.camera_media.clone();
+        let mut media = self.media_around(&ray);
         let mut left: Option<DVec3> = None;
         let mut bounce = 1u32; // 1 is the first surface
         let mut passes = 0u32;
@@ -229,7 +232,7 @@ impl<'a> Kernel<'a> {
             let material = &scene.materials[surface.material as usize];
             let computed;
             let attributes = if material.needs_attributes {
-                computed = scene.geometry.attributes(&hit, &surface);
+                computed = scene.geometry.attributes(&hit, &surface, ray.time);
                 &computed
             } else {
                 &NO_ATTRIBUTES
@@ -277,7 +280,7 @@ impl<'a> Kernel<'a> {
             if self.aovs && bounce == 1 && out.first.depth.is_infinite() {
                 let facing = if ns.dot(wo) < 0.0 { -ns } else { ns };
                 out.first = FirstHit {
-                    depth: surface.p.dot(self.axis),
+                    depth: self.depth(&surface, ray.time),
                     normal: facing,
                     albedo: bsdf.albedo(wo_local),
                 };
@@ -307,7 +310,7 @@ impl<'a> Kernel<'a> {
                 let u = light.unwrap_or_else(|| sampler.get4(bounce, Group::Light));
                 let sampled = scene
                     .lights
-                    .sample(surface.p, toward, two_sided, u[2], Vec2::new(u[0], u[1]));
+                    .sample(surface.p, toward, two_sided, u[2], Vec2::new(u[0], u[1]), ray.time);
                 if let Some(light) = sampled
                     && (light.delta || self.direct != Direct::Bsdf)
                 {
@@ -377,6 +380,7 @@ impl<'a> Kernel<'a> {
                 from: surface.prim,
                 to: PrimRef::NONE,
                 mask: ray_mask::INDIRECT,
+                time: ray.time,
             };
             bounce += 1;
             passes = 0;

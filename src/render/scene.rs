@@ -38,4 +38,6 @@ pub struct SceneTraits {
     pub lamp_through_glass: bool,
     /// Some solid refracts or absorbs: paths keep track of what they are inside of.
     pub solids: bool,
+    /// Something moves while the shutter is open: paths have a time.
+    pub moves: bool,
 }

@@ -13,6 +13,7 @@ mod light;
 mod material;
 mod merge;
 mod mesh;
+pub mod motion;
 mod settings;
 mod shape;
 mod texture;
@@ -25,6 +26,7 @@ pub use material::{
     Principled, ScalarInput, SurfaceModel,
 };
 pub use mesh::{Mesh, mend_normals};
+pub use motion::CameraKey;
 pub use settings::{FilterKind, RenderDefaults};
 pub use shape::{Object, Shape, Visibility};
 pub use texture::{Channel, Encoding, ImageTexture, TexelFilter, Texture, Wrap};

@@ -8,8 +8,8 @@ use super::leave_out::{has_coat, passes};
 use super::{Effect, Effect::*, image_inputs};
 use crate::render::technique::{LightPick, Technique};
 use crate::scene::{
-    EnvironmentKind, Material, MaterialId, Object, OpacityMode, Place, Principled, Scene, Shape, SurfaceModel, Texture,
-    TextureId,
+    Camera, EnvironmentKind, Material, MaterialId, Object, OpacityMode, Place, Principled, Scene, Shape, SurfaceModel,
+    Texture, TextureId,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -87,6 +87,7 @@ pub fn of(scene: &Scene, technique: &Technique) -> Effects {
         seen.look_at(scene, m, &what, object, 0);
     }
     of_camera(scene, &mut effects);
+    super::motion::of_scene(scene, &mut |cause| effects.add(Motion, cause));
     of_environment(scene, &mut effects, &mut seen);
     seen.conclude(scene, technique, &mut effects);
     effects
@@ -130,7 +131,7 @@ fn drawn(scene: &Scene) -> Vec<(&Object, Option<MaterialId>)> {
 }
 
 /// `sphere "ball"`.
-fn name(shape: &Shape, name: &str) -> String {
+pub(super) fn name(shape: &Shape, name: &str) -> String {
     let word = match shape {
         Shape::Sphere { .. } => "sphere",
         Shape::Plane { .. } => "plane",
@@ -272,12 +273,13 @@ fn image_behind(scene: &Scene, texture: TextureId, depth: u32) -> Option<String>
 }
 
 fn of_camera(scene: &Scene, effects: &mut Effects) {
-    if let Some(camera) = scene.camera().filter(|c| c.lens_radius > 0.0) {
+    let radius = |c: &Camera| c.motion.iter().map(|key| key.lens_radius).fold(c.lens_radius, f64::max);
+    if let Some(camera) = scene.camera().filter(|c| radius(c) > 0.0) {
         effects.add(
             Lens,
             Cause {
                 what: "the camera".to_owned(),
-                why: format!("lens of radius {}", camera.lens_radius),
+                why: format!("lens of radius {}", radius(camera)),
                 place: camera.place.clone(),
                 times: 1,
             },
