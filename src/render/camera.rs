@@ -81,9 +81,15 @@ impl Camera {
     /// the shutter is open.
     pub fn ray(&self, x: f64, y: f64, lens: Vec2, time: f32) -> Ray {
         if self.moves() {
-            return self.ray_from(&self.pose_at(time), x, y, lens, time);
+            return self.moving_ray(x, y, lens, time);
         }
         self.ray_from(&self.pose, x, y, lens, time)
+    }
+
+    /// Apart from cameras that stand still.
+    #[inline(never)]
+    fn moving_ray(&self, x: f64, y: f64, lens: Vec2, time: f32) -> Ray {
+        self.ray_from(&self.pose_at(time), x, y, lens, time)
     }
 
     #[inline(always)]

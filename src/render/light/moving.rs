@@ -2,9 +2,12 @@
 
 use super::TriangleLight;
 use super::bounds::LightBounds;
-use super::{AreaLamp, DirectionalLamp, DiscLight, Light, ParallelogramLight, PointLamp, SphereLight, SpotLamp};
+use super::set::aim;
+use super::{
+    Aim, AreaLamp, DirectionalLamp, DiscLight, Light, ParallelogramLight, PointLamp, Receiver, SphereLight, SpotLamp,
+};
 use crate::render::motion::{Motion, step};
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 
 /// A light at equal steps of the time that the shutter is open.
 #[derive(Clone, Debug)]
@@ -43,6 +46,12 @@ impl MovingLight {
         let (a, b) = (&self.keys[i], &self.keys[i + 1]);
         // `new` has seen that neighbours are of one kind.
         between(a, b, w).unwrap_or_else(|| a.clone())
+    }
+
+    /// A direction towards the light at a time. Apart from the lights that stand still.
+    #[inline(never)]
+    pub(crate) fn sample(&self, at: &Receiver, u: Vec2, time: f32) -> Option<Aim> {
+        aim(&self.at(time), at, u, time)
     }
 
     /// Bounds over the whole time. Between two keys that look into different directions nothing is known of where it

@@ -135,7 +135,7 @@ impl LightSet {
             Some(_) => self.choose(&at, extend(u_pick, u.x.to_bits() ^ u.y.to_bits().rotate_left(16)))?,
         };
         let l = self.lights.get(light as usize)?;
-        let mut aim = self.aim(l, &at, u, time)?;
+        let mut aim = aim(l, &at, u, time)?;
         if self.hiding.get(light as usize) == Some(&true) {
             aim.t_max = coincident::shadow_end(l, &at, &aim);
         }
@@ -172,22 +172,6 @@ impl LightSet {
             None if self.lights.is_empty() => None,
             None => Some((0, 1.0)),
             Some(choice) => choice.sample(at, u),
-        }
-    }
-
-    fn aim(&self, light: &Light, at: &Receiver, u: Vec2, time: f32) -> Option<Aim> {
-        match light {
-            Light::Point(l) => l.sample(at),
-            Light::Spot(l) => l.sample(at),
-            Light::Directional(l) => Some(l.sample()),
-            Light::Area(l) => l.sample(at, u),
-            Light::Sphere(l) => l.sample(at, u),
-            Light::SphereCap(l) => l.sample(at, u),
-            Light::Triangle(l) => l.sample(at, u),
-            Light::Parallelogram(l) => l.sample(at, u),
-            Light::Disc(l) => l.sample(at, u),
-            Light::Environment(l) => l.sample(at, u),
-            Light::Moving(l) => self.aim(&l.at(time), at, u, time),
         }
     }
 
@@ -236,6 +220,24 @@ impl LightSet {
             None => 0.0,
             Some(choice) => choice.probability(at, light),
         }
+    }
+}
+
+/// A direction towards a light at a time.
+#[inline(always)]
+pub(super) fn aim(light: &Light, at: &Receiver, u: Vec2, time: f32) -> Option<Aim> {
+    match light {
+        Light::Point(l) => l.sample(at),
+        Light::Spot(l) => l.sample(at),
+        Light::Directional(l) => Some(l.sample()),
+        Light::Area(l) => l.sample(at, u),
+        Light::Sphere(l) => l.sample(at, u),
+        Light::SphereCap(l) => l.sample(at, u),
+        Light::Triangle(l) => l.sample(at, u),
+        Light::Parallelogram(l) => l.sample(at, u),
+        Light::Disc(l) => l.sample(at, u),
+        Light::Environment(l) => l.sample(at, u),
+        Light::Moving(l) => l.sample(at, u, time),
     }
 }
 
