@@ -115,8 +115,10 @@ pub struct Kernel<'a> {
     caustics: bool,
     /// Whether surfaces take light samples at all.
     sample_lights: bool,
-    /// What the camera is inside of.
+    /// What the camera is inside of, at the shutter's opening.
     camera_media: MediumStack,
+    /// Whether that may change while the shutter is open.
+    media_vary: bool,
     axis: Vec3,
     aovs: bool,
     tier: KernelTier,
@@ -145,8 +147,9 @@ impl<'a> Kernel<'a> {
             } else {
                 !lights.is_empty()
             },
+            media_vary: start::media_vary(scene),
             camera_media: if scene.traits.solids {
-                start::media_around_camera(scene)
+                start::media_around_camera(scene, 0.0)
             } else {
                 MediumStack::default()
             },
@@ -172,9 +175,9 @@ impl<'a> Kernel<'a> {
         &self,
         sampler: &Sampler,
         stats: &mut PathStats,
-        camera_ray: impl FnOnce([f32; 4]) -> Ray,
+        camera_ray: impl FnOnce([f32; 4], f32) -> Ray,
     ) -> PathSample {
-        let ray = camera_ray(sampler.get4(0, Group::Primary));
+        let ray = camera_ray(sampler.get4(0, Group::Primary), self.time(sampler));
         let mut sample = self.path::<T>(sampler, stats, ray);
         if !sample.radiance.is_finite() {
             stats.anomalies.count(Anomaly::NonFinite, 1);

@@ -17,6 +17,7 @@ pub mod kernel;
 pub mod light;
 pub mod material;
 pub mod medium;
+pub mod motion;
 pub mod picture;
 pub mod pixels;
 pub mod ray;

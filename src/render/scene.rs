@@ -52,4 +52,6 @@ pub struct SceneTraits {
     pub textures: bool,
     /// Some glass refracts colours differently.
     pub dispersion: bool,
+    /// Something moves while the shutter is open: paths have a time.
+    pub moves: bool,
 }

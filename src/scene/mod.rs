@@ -15,6 +15,7 @@ mod material;
 mod medium;
 mod merge;
 mod mesh;
+pub mod motion;
 mod settings;
 mod shape;
 mod texture;
@@ -29,6 +30,7 @@ pub use material::{
 };
 pub use medium::{Fog, GroundFog, Medium, Phase};
 pub use mesh::{Mesh, mend_normals};
+pub use motion::CameraKey;
 pub use settings::{FilterKind, RenderDefaults};
 pub use shape::{Object, Shape, Visibility};
 pub use texture::{Channel, Encoding, ImageTexture, TexelFilter, Texture, Wrap};

@@ -8,7 +8,7 @@ use super::leave_out::{has_coat, passes};
 use super::{Effect, Effect::*, image_inputs};
 use crate::render::technique::{LightPick, Technique};
 use crate::scene::{
-    EnvironmentKind, Material, MaterialId, Medium, Object, OpacityMode, Place, Principled, Scene, Shape, SurfaceModel,
+    Camera, EnvironmentKind, Material, MaterialId, Medium, Object, OpacityMode, Place, Principled, Scene, Shape, SurfaceModel,
     Texture, TextureId,
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -88,6 +88,7 @@ pub fn of(scene: &Scene, technique: &Technique) -> Effects {
     }
     of_camera(scene, &mut effects);
     of_air(scene, &mut effects, &mut seen);
+    super::motion::of_scene(scene, &mut |cause| effects.add(Motion, cause));
     of_environment(scene, &mut effects, &mut seen);
     seen.conclude(scene, technique, &mut effects);
     effects
@@ -151,7 +152,7 @@ pub fn kind_of(shape: &Shape) -> &'static str {
 }
 
 /// `sphere "ball"`.
-fn name(shape: &Shape, name: &str) -> String {
+pub(super) fn name(shape: &Shape, name: &str) -> String {
     let word = kind_of(shape);
     if name.is_empty() {
         word.to_owned()
@@ -304,12 +305,13 @@ fn image_behind(scene: &Scene, texture: TextureId, depth: u32) -> Option<String>
 }
 
 fn of_camera(scene: &Scene, effects: &mut Effects) {
-    if let Some(camera) = scene.camera().filter(|c| c.lens_radius > 0.0) {
+    let radius = |c: &Camera| c.motion.iter().map(|key| key.lens_radius).fold(c.lens_radius, f64::max);
+    if let Some(camera) = scene.camera().filter(|c| radius(c) > 0.0) {
         effects.add(
             Lens,
             Cause {
                 what: "the camera".to_owned(),
-                why: format!("lens of radius {}", camera.lens_radius),
+                why: format!("lens of radius {}", radius(camera)),
                 place: camera.place.clone(),
                 times: 1,
             },

@@ -7,6 +7,7 @@
 pub mod causes;
 mod flatten;
 mod leave_out;
+mod motion;
 #[cfg(test)]
 mod tests;
 
@@ -29,6 +30,8 @@ pub enum Effect {
     Dispersion,
     /// A lens with an opening.
     Lens,
+    /// What moves while the shutter is open.
+    Motion,
     /// Light from infinitely far away.
     Environment,
     /// Mirrors.
@@ -51,13 +54,14 @@ use Effect::*;
 
 impl Effect {
     /// All of them, in the order in which they are told.
-    pub const ALL: [Effect; 14] = [
+    pub const ALL: [Effect; 15] = [
         Textures,
         Bump,
         Alpha,
         Media,
         Dispersion,
         Lens,
+        Motion,
         Environment,
         Specular,
         Glass,
@@ -77,6 +81,7 @@ impl Effect {
             Media => "media",
             Dispersion => "dispersion",
             Lens => "lens",
+            Motion => "motion",
             Environment => "environment",
             Specular => "specular",
             Glass => "glass",
@@ -97,6 +102,7 @@ impl Effect {
             Media => "solids and the air are clear",
             Dispersion => "all colours are refracted alike",
             Lens => "everything is sharp",
+            Motion => "everything stands where it is when the shutter opens",
             Environment => "the sky is seen but lights nothing",
             Specular => "mirrors are black",
             Glass => "glass neither bends nor reflects",

@@ -9,7 +9,7 @@ use crate::scene::{
     Material, Medium, NormalMap, Object, OpacityMode, Phase, Place, Principled, ScalarInput, Scene, Shape,
     SurfaceModel, Texture,
 };
-use glam::{DAffine2, DVec3};
+use glam::{DAffine2, DAffine3, DVec3};
 
 const SCENES: u64 = 300;
 
@@ -141,6 +141,11 @@ fn scene(seed: u64) -> Scene {
             radius: 1.0,
         });
         object.name = format!("ball {i}");
+        // Keys that are all the same are no motion.
+        let end = if chance(&mut rng) { DVec3::X } else { DVec3::ZERO };
+        if chance(&mut rng) {
+            object.motion = [DVec3::ZERO, end].map(DAffine3::from_translation).to_vec();
+        }
         scene.objects.push(object.with_material(id));
     }
     scene.cameras.push(Camera {
@@ -148,6 +153,12 @@ fn scene(seed: u64) -> Scene {
         ..Camera::default()
     });
     scene.active_camera = Some(0);
+    if chance(&mut rng) {
+        let mut key = scene.cameras[0].key();
+        scene.cameras[0].motion.push(key);
+        key.location.x += 1.0;
+        scene.cameras[0].motion.push(key);
+    }
     if chance(&mut rng) {
         scene.environment.kind = EnvironmentKind::Constant(DVec3::ONE);
     }
@@ -172,6 +183,7 @@ fn without(scene: &Scene, gone: &[causes::Cause]) -> Scene {
     scene.objects.retain(|o| !is_gone(&format!("sphere \"{}\"", o.name)));
     if is_gone("the camera") {
         scene.cameras[0].lens_radius = 0.0;
+        scene.cameras[0].motion.clear();
     }
     if is_gone("the environment") {
         scene.environment.kind = EnvironmentKind::Black;

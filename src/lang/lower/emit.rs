@@ -142,6 +142,7 @@ impl Interp<'_> {
         Some(Object {
             shape,
             transform,
+            motion: Vec::new(),
             override_material: override_material && material.is_some(),
             material,
             visibility: object.visibility,

@@ -247,10 +247,10 @@ impl Run<'_> {
             }
             let (x, y) = (*x0 + pixel as u32 % *width, *y0 + pixel as u32 / *width);
             let sampler = self.kernel.sampler(y * self.settings.width + x, index);
-            let path = self.kernel.trace::<T>(&sampler, stats, |u| {
+            let path = self.kernel.trace::<T>(&sampler, stats, |u, time| {
                 let across = place_in_picture(x, self.settings.width, self.filter.offset(u[0]));
                 let down = place_in_picture(y, self.settings.height, self.filter.offset(u[1]));
-                self.scene.camera.ray(across, -down, glam::Vec2::new(u[2], u[3]))
+                self.scene.camera.ray(across, -down, glam::Vec2::new(u[2], u[3]), time)
             });
             out[0] = f64::from(path.radiance.x);
             out[1] = f64::from(path.radiance.y);

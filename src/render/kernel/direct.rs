@@ -83,8 +83,12 @@ impl Kernel<'_> {
             prim: light.to,
             b: light.b,
         };
-        let surface = geometry.surface(&Ray::new(p, light.wi), &hit);
-        let attributes = geometry.attributes(&hit, &surface);
+        let towards = Ray {
+            time: light.time,
+            ..Ray::new(p, light.wi)
+        };
+        let surface = geometry.surface(&towards, &hit);
+        let attributes = geometry.attributes(&hit, &surface, light.time);
         let front = light.wi.dot(surface.ng) < 0.0;
         self.scene.materials[surface.material as usize].emission(&self.shading(&attributes, 1.0, None), front)
     }
@@ -137,7 +141,7 @@ impl Kernel<'_> {
             let surface = self.scene.geometry.surface(&ray, &hit);
             let material = &self.scene.materials[surface.material as usize];
             let attributes = if material.needs_attributes {
-                self.scene.geometry.attributes(&hit, &surface)
+                self.scene.geometry.attributes(&hit, &surface, ray.time)
             } else {
                 NO_ATTRIBUTES
             };

@@ -38,7 +38,7 @@ impl Kernel<'_> {
             pdf: None,
             way: Way::Any,
         };
-        let mut media = self.camera_media.clone();
+        let mut media = self.media_around(&ray);
         let mut left: Option<DVec3> = None;
         let mut wavelength: Option<Wavelength> = None;
         let mut bounce = 1u32; // 1 is the first surface
@@ -75,7 +75,7 @@ impl Kernel<'_> {
                             sampler.repeated4(bounce, Group::Light, passes),
                         ),
                     };
-                    let vertex = self.vertex(p, ray.dir, &media);
+                    let vertex = self.vertex(p, &ray, &media);
                     if self.sample_lights {
                         out.radiance +=
                             throughput * self.lit_in_medium::<T>(&vertex, light, from.way, wavelength, stats);
@@ -106,6 +106,7 @@ impl Kernel<'_> {
                     left = Some(p);
                     ray = Ray {
                         mask: ray_mask::INDIRECT,
+                        time: ray.time,
                         ..Ray::new(vertex.p, wi)
                     };
                     bounce += 1;
@@ -123,7 +124,7 @@ impl Kernel<'_> {
             let material = &scene.materials[surface.material as usize];
             let computed;
             let attributes = if material.needs_attributes {
-                computed = scene.geometry.attributes(&hit, &surface);
+                computed = scene.geometry.attributes(&hit, &surface, ray.time);
                 &computed
             } else {
                 &NO_ATTRIBUTES
@@ -176,7 +177,7 @@ impl Kernel<'_> {
             if self.aovs && bounce == 1 && out.first.depth.is_infinite() {
                 let facing = if ns.dot(wo) < 0.0 { -ns } else { ns };
                 out.first = FirstHit {
-                    depth: surface.p.dot(self.axis),
+                    depth: self.depth(&surface, ray.time),
                     normal: facing,
                     albedo: bsdf.albedo(wo_local),
                 };
@@ -206,7 +207,7 @@ impl Kernel<'_> {
                 let u = light.unwrap_or_else(|| sampler.get4(bounce, Group::Light));
                 let sampled = scene
                     .lights
-                    .sample(surface.p, toward, two_sided, u[2], Vec2::new(u[0], u[1]));
+                    .sample(surface.p, toward, two_sided, u[2], Vec2::new(u[0], u[1]), ray.time);
                 if let Some(light) = sampled
                     && (light.delta || self.direct != Direct::Bsdf)
                 {
@@ -278,6 +279,7 @@ impl Kernel<'_> {
                 from: surface.prim,
                 to: PrimRef::NONE,
                 mask: ray_mask::INDIRECT,
+                time: ray.time,
             };
             bounce += 1;
             passes = 0;

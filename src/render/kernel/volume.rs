@@ -18,6 +18,8 @@ pub(super) struct Vertex<'a> {
     pub dir: Vec3,
     /// Where light goes from it.
     pub phase: Phase,
+    /// When the path is there, in [0, 1) of the shutter.
+    time: f32,
     media: &'a MediumStack,
 }
 
@@ -71,11 +73,12 @@ impl Kernel<'_> {
         self.scene.fogs.iter().map(left).product()
     }
 
-    pub(super) fn vertex<'m>(&self, p: DVec3, dir: Vec3, media: &'m MediumStack) -> Vertex<'m> {
+    pub(super) fn vertex<'m>(&self, p: DVec3, ray: &Ray, media: &'m MediumStack) -> Vertex<'m> {
         let medium = self.medium(media);
         Vertex {
             p: p.as_vec3(),
-            dir,
+            dir: ray.dir,
+            time: ray.time,
             phase: medium.phase,
             media,
         }
@@ -101,7 +104,7 @@ impl Kernel<'_> {
         stats: &mut PathStats,
     ) -> Vec3 {
         let lights = &self.scene.lights;
-        let Some(light) = lights.sample(vertex.p, Vec3::ZERO, true, u[2], Vec2::new(u[0], u[1])) else {
+        let Some(light) = lights.sample(vertex.p, Vec3::ZERO, true, u[2], Vec2::new(u[0], u[1]), vertex.time) else {
             return Vec3::ZERO;
         };
         if !light.delta && self.direct == Direct::Bsdf {
