@@ -2,7 +2,8 @@
 
 use super::camera::CameraChoice;
 use super::choices::{Aov, ColorKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind, ViewName};
-use super::values::{self, Resolution};
+use super::values::{self, Forced, Resolution};
+use crate::compile::effects::Effect;
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
@@ -239,6 +240,24 @@ pub struct PruneArgs {
     /// colour, … The picture stays the same but for noise.
     #[arg(long, help_heading = SCENE)]
     pub no_prune: bool,
+    /// Compute effects whether or not the scene calls for them, or `all`: the picture stays the same, the time tells what
+    /// they cost. Can be repeated.
+    #[arg(long, value_name = "EFFECT,…", value_delimiter = ',', value_parser = values::forced(), help_heading = SCENE)]
+    pub force_effects: Vec<Forced>,
+}
+
+impl PruneArgs {
+    /// The effects that are computed whatever the scene says, each once.
+    pub fn forced(&self) -> impl Iterator<Item = Effect> + '_ {
+        let is_asked = |e: &Effect| self.force_effects.iter().any(|f| *f == Forced::All || *f == Forced::One(*e));
+        Effect::ALL.into_iter().filter(is_asked)
+    }
+
+    /// The words of [`PruneArgs::forced`], separated by commas; `None` for none.
+    pub fn forced_list(&self) -> Option<String> {
+        let words: Vec<&str> = self.forced().map(Effect::word).collect();
+        (!words.is_empty()).then(|| words.join(","))
+    }
 }
 
 /// What is said on the terminal, for all commands.

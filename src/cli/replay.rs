@@ -69,6 +69,9 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     if args.prune.no_prune {
         words.push("--no-prune".to_owned());
     }
+    if let Some(list) = args.prune.forced_list() {
+        words.extend(["--force-effects".to_owned(), list]);
+    }
     if let Some(depth) = args.sampling.max_depth {
         words.extend(["--max-depth".to_owned(), depth.to_string()]);
     }

@@ -6,6 +6,7 @@
 
 pub mod causes;
 mod flatten;
+mod force;
 mod leave_out;
 mod motion;
 #[cfg(test)]
