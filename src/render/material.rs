@@ -22,7 +22,7 @@ use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
 use glam::Vec3;
 use models::{dielectric_coat, is_rough_solid, roughness_to_alpha};
-use normal::{mapped_normal, visible_normal};
+use normal::{bumped_normal, mapped_normal, visible_normal};
 
 /// How coverage is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +41,15 @@ pub struct NormalMap {
     /// Index of a data texture.
     pub texture: u32,
     /// Factor on x and y.
+    pub scale: f32,
+}
+
+/// A relief of an image's luminance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BumpMap {
+    /// Index of an image texture; others have no slopes.
+    pub texture: u32,
+    /// Height of white over black, in texels.
     pub scale: f32,
 }
 
@@ -160,6 +169,8 @@ pub struct Material {
     pub alpha: Alpha,
     /// Perturbs the shading normal.
     pub normal_map: Option<NormalMap>,
+    /// Perturbs the shading normal, after the normal map.
+    pub bump_map: Option<BumpMap>,
     /// Absorption coefficient inside, per world unit.
     pub absorption: Vec3,
     /// Index of refraction inside (glass), or of the coat (glossy).
@@ -198,6 +209,7 @@ impl Material {
             emits_back: true,
             alpha: Alpha::Opaque,
             normal_map: None,
+            bump_map: None,
             absorption: Vec3::ZERO,
             ior: 1.5,
             dispersion: 0.0,
@@ -407,6 +419,9 @@ impl Material {
         let mut n = ns;
         if let Some(map) = &self.normal_map {
             n = mapped_normal(map, cx, ns).unwrap_or(ns);
+        }
+        if let Some(map) = &self.bump_map {
+            n = bumped_normal(map, cx, n).unwrap_or(n);
         }
         if n != ng {
             n = if ng.dot(wo) < 0.0 {

@@ -59,6 +59,7 @@ fn each_material(scene: &mut Scene, edit: fn(&mut Material)) {
 
 fn no_normal_maps(material: &mut Material) {
     material.normal_map = None;
+    material.bump_map = None;
     if let SurfaceModel::Principled(p) = &mut material.surface {
         p.clearcoat_normal = None;
     }
