@@ -33,6 +33,7 @@ fn model(_: &ModelRequest, _: &mut Diagnostics) -> Option<Scene> {
             falloff: Falloff::None,
         },
         casts_shadows: true,
+        motion: vec![],
         place: Place::None,
     });
     Some(scene)

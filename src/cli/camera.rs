@@ -124,6 +124,7 @@ pub fn select(scene: &mut Scene, name: &str, diags: &mut Diagnostics) {
 /// The image plane keeps its shape and its handedness. `None` if it was reported why there is no such camera.
 pub fn apply(spec: &CameraSpec, base: &Camera, aspect: f64, diags: &mut Diagnostics) -> Option<Camera> {
     let mut camera = base.clone();
+    camera.motion.clear(); // what is given in numbers stands still
     camera.location = spec.location.unwrap_or(base.location);
     if spec.look_at.is_some() || spec.sky.is_some() {
         let towards = spec.look_at.map_or(base.direction, |at| at - camera.location);

@@ -95,9 +95,9 @@ fn hints(scene: &Scene) -> Vec<(String, Place)> {
         if let SurfaceModel::Glass { ior: 1.0, color, .. } = &material.surface
             && color.texture.is_none()
             && color.factor == glam::DVec3::ONE
-            && material.interior.absorption == glam::DVec3::ZERO
+            && material.interior.is_clear()
         {
-            let hint = "glass of ior 1 without tint or absorption cannot be seen: it only costs time";
+            let hint = "glass of ior 1 without tint or medium cannot be seen: it only costs time";
             out.push((hint.to_owned(), material.place.clone()));
         }
         if let SurfaceModel::Mix { weight, .. } = &material.surface

@@ -189,6 +189,7 @@ mod tests {
                 falloff: Falloff::None,
             },
             casts_shadows: true,
+            motion: Vec::new(),
             place: Place::None,
         });
         let mut material = Material::diffuse(DVec3::ONE);

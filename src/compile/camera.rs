@@ -1,13 +1,49 @@
 //! The camera of the scene becomes the engine's, at the origin of camera-relative space.
 
 use crate::diag::{Diagnostic, Diagnostics};
-use crate::render::camera::Camera as RenderCamera;
-use crate::scene::{Aspect, Camera, Projection};
+use crate::render::camera::{Camera as RenderCamera, Pose};
+use crate::scene::{Aspect, Camera, CameraKey, Projection};
 use glam::DVec3;
 
 /// Turns a camera into the engine's for a picture of this shape. Errors: no direction, no width or height, or
 /// a plane in focus that is not in front of the lens.
+///
+/// The origin is where it stands when the shutter opens; of a camera that moves each key must be such a camera.
 pub fn compile_camera(camera: &Camera, width: u32, height: u32, diags: &mut Diagnostics) -> Option<RenderCamera> {
+    let mut compiled = still_camera(camera, width, height, diags)?;
+    if camera.moves() {
+        for key in &camera.motion {
+            let mut pose = still_camera(&at_key(camera, key), width, height, diags)?.pose;
+            pose.location = key.location - camera.location;
+            compiled.keys.push(pose);
+        }
+    }
+    Some(compiled)
+}
+
+/// The camera as it is at one moment.
+fn at_key(camera: &Camera, key: &CameraKey) -> Camera {
+    let CameraKey {
+        location,
+        direction,
+        right,
+        up,
+        lens_radius,
+        focus_distance,
+    } = *key;
+    Camera {
+        location,
+        direction,
+        right,
+        up,
+        lens_radius,
+        focus_distance,
+        motion: Vec::new(),
+        ..camera.clone()
+    }
+}
+
+fn still_camera(camera: &Camera, width: u32, height: u32, diags: &mut Diagnostics) -> Option<RenderCamera> {
     let mut right = camera.right;
     if camera.aspect == Aspect::FromImage {
         let aspect = f64::from(width) / f64::from(height);
@@ -46,12 +82,16 @@ pub fn compile_camera(camera: &Camera, width: u32, height: u32, diags: &mut Diag
         return None;
     }
     Some(RenderCamera {
-        direction: camera.direction,
-        right,
-        up: camera.up,
         orthographic: camera.projection == Projection::Orthographic,
-        lens_radius: camera.lens_radius,
-        focus_distance: camera.focus_distance,
+        pose: Pose {
+            location: DVec3::ZERO,
+            direction: camera.direction,
+            right,
+            up: camera.up,
+            lens_radius: camera.lens_radius,
+            focus_distance: camera.focus_distance,
+        },
+        keys: Vec::new(),
     })
 }
 
@@ -67,7 +107,10 @@ mod tests {
             ..Camera::default()
         };
         let wide = compile_camera(&camera, 200, 50, &mut Diagnostics::default());
-        assert_eq!(wide.map(|c| (c.right, c.up)), Some((DVec3::X * 8.0, DVec3::Y * 2.0)));
+        assert_eq!(
+            wide.map(|c| (c.pose.right, c.pose.up)),
+            Some((DVec3::X * 8.0, DVec3::Y * 2.0))
+        );
     }
 
     /// A focus in front of the lens, however far, is taken; at the lens, behind it or nowhere it is refused, and so is a

@@ -1,6 +1,7 @@
 //! Groups become leaves: every shape with its own transform, material and visibility.
 
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
+use crate::scene::motion::nested;
 use crate::scene::{MaterialId, Object, Scene, Shape, Visibility};
 use glam::DAffine3;
 
@@ -14,12 +15,25 @@ pub struct Leaf<'a> {
     pub object: &'a Object,
     /// From the shape's space to world space.
     pub transform: DAffine3,
+    /// How it moves in the shape's space, the motions of all groups around it included; see [`Object::motion`]. Empty for
+    /// what stands still.
+    pub motion: Vec<DAffine3>,
     /// Material for what has none of its own.
     pub material: Option<MaterialId>,
     /// Material that replaces every other.
     pub override_material: Option<MaterialId>,
     /// Seen by which rays.
     pub visibility: Visibility,
+}
+
+impl Leaf<'_> {
+    /// From the shape's space to where it stands; differs from `transform` only if all keys of its motion say the same.
+    pub fn still_transform(&self) -> DAffine3 {
+        match self.motion.split_first() {
+            Some((first, rest)) if rest.iter().all(|key| key == first) && first.is_finite() => self.transform * *first,
+            _ => self.transform,
+        }
+    }
 }
 
 /// All leaves of a scene in the order they were written, each instance of a group apart. Objects with a
@@ -64,6 +78,7 @@ fn root(object: &Object) -> Leaf<'_> {
     Leaf {
         object,
         transform: object.transform,
+        motion: object.motion.clone(),
         material: object.material,
         override_material: object.material.filter(|_| object.override_material),
         visibility: object.visibility,
@@ -75,6 +90,7 @@ fn inside<'a>(outer: &Leaf<'_>, object: &'a Object) -> Leaf<'a> {
     Leaf {
         object,
         transform: outer.transform * object.transform,
+        motion: nested(&outer.motion, &object.transform, &object.motion),
         material: object.material.or(outer.material),
         override_material: outer
             .override_material

@@ -3,7 +3,8 @@
 use super::images::Images;
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::render::light::{
-    AreaLamp, DirectionalLamp, EnvironmentImage, EnvironmentLight, Falloff, Light, PointLamp, SpotLamp, SpotProfile,
+    AreaLamp, DirectionalLamp, EnvironmentImage, EnvironmentLight, Falloff, Light, MovingLight, PointLamp, SpotLamp,
+    SpotProfile,
 };
 use crate::scene;
 use crate::scene::{EnvironmentKind, Handedness, LightKind, Scene};
@@ -21,10 +22,20 @@ pub fn lamps(scene: &Scene, origin: DVec3, diags: &mut Diagnostics) -> Vec<Light
     sound.into_iter().filter(shines).map(|l| lamp(l, origin)).collect()
 }
 
+/// A lamp, moving if it really does; all its keys are of one kind.
 fn lamp(light: &scene::Light, origin: DVec3) -> Light {
+    let keys = light.motion.iter().map(|key| still_lamp(light, key, origin));
+    let moving = light.moves().then(|| MovingLight::new(keys.collect())).flatten();
+    match moving {
+        Some(moving) => Light::Moving(Box::new(moving)),
+        None => still_lamp(light, &light.kind, origin),
+    }
+}
+
+fn still_lamp(light: &scene::Light, kind: &LightKind, origin: DVec3) -> Light {
     let color = light.color.as_vec3();
     let casts_shadows = light.casts_shadows;
-    match light.kind.clone() {
+    match kind.clone() {
         LightKind::Point { position, falloff: f } => Light::Point(Box::new(PointLamp {
             position: position - origin,
             color,

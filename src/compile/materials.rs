@@ -4,6 +4,7 @@ use super::images::Images;
 use super::prune::{folded, is_at_least, is_nothing};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::render::material as engine;
+use crate::render::medium::CLEAR;
 use crate::render::technique::{Technique, TextureFilter};
 use crate::render::texture as tex;
 use crate::scene::{
@@ -24,6 +25,8 @@ pub struct Materials<'a, 'i> {
     filter: TextureFilter,
     /// The engine's materials.
     pub materials: Vec<engine::Material>,
+    /// What fills solids.
+    pub media: super::media::Media,
     /// The engine's textures.
     pub nodes: Vec<tex::Texture>,
 }
@@ -42,6 +45,7 @@ impl<'a, 'i> Materials<'a, 'i> {
             scattering: engine::Scattering::from(technique),
             filter: technique.textures,
             materials: Vec::new(),
+            media: super::media::Media::new(),
             nodes: Vec::new(),
         }
     }
@@ -86,7 +90,7 @@ impl<'a, 'i> Materials<'a, 'i> {
             OpacityMode::Blend => engine::Alpha::Blend(self.scalar(&material.opacity.alpha, diags)),
         };
         out.normal_map = material.normal_map.as_ref().and_then(|n| self.normal_map(n, diags));
-        out.absorption = material.interior.absorption.as_vec3();
+        out.medium = self.media.add(&material.interior);
         let folded = folded(self.scene, self.images, &material);
         (out.ior, out.dispersion, out.interior) = solid(&folded);
         if let (engine::SurfaceModel::Mix { a, b, .. }, SurfaceModel::Mix { weight, .. }) =
@@ -98,8 +102,8 @@ impl<'a, 'i> Materials<'a, 'i> {
             let mut parts = parts.map(|(id, _)| &self.materials[*id as usize]);
             if let Some(part) = parts.find(|m| m.interior) {
                 (out.ior, out.dispersion, out.interior) = (part.ior, part.dispersion, true);
-                if out.absorption == Vec3::ZERO {
-                    out.absorption = part.absorption;
+                if out.medium == CLEAR {
+                    out.medium = part.medium;
                 }
             }
         }
@@ -361,14 +365,19 @@ pub(super) fn solid(material: &Material) -> (f32, f32, bool) {
             let transmits = p.thick && p.transmission.factor > 0.0 && !is_metal;
             (
                 if p.ior == 0.0 { f32::INFINITY } else { p.ior as f32 },
-                p.dispersion as f32,
+                if transmits { p.dispersion as f32 } else { 0.0 },
                 transmits,
             )
         }
         SurfaceModel::Finish(f) => {
             let passes = f.filter > 0.0 || f.transmit > 0.0;
-            let absorbs = material.interior.absorption != DVec3::ZERO;
-            (f.ior.unwrap_or(1.0) as f32, 0.0, passes && (f.ior.is_some() || absorbs))
+            let is_filled = !material.interior.is_clear();
+            let dispersion = if f.ior.is_some() { f.dispersion as f32 } else { 0.0 };
+            (
+                f.ior.unwrap_or(1.0) as f32,
+                dispersion,
+                passes && (f.ior.is_some() || is_filled),
+            )
         }
         SurfaceModel::Black
         | SurfaceModel::Diffuse { .. }

@@ -11,13 +11,15 @@ mod flatten;
 mod images;
 mod lights;
 mod materials;
+mod media;
+mod motion;
 mod objects;
 pub mod prune;
 
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::files::Files;
-use crate::render::geometry::Geometry;
-use crate::render::light::LightSet;
+use crate::render::geometry::{GeomObject, Geometry};
+use crate::render::light::{Light, LightSet};
 use crate::render::material::{Alpha, Material, SurfaceModel};
 use crate::render::ray::ray_mask;
 use crate::render::scene::{CompiledScene, SceneTraits};
@@ -99,25 +101,42 @@ pub fn compile_pruned(
     }
     objects.finish(diags);
     let (objects, meshes, mut lights) = (objects.objects, objects.meshes, objects.lights);
-    let (materials, nodes) = (materials.materials, materials.nodes);
+    let atmosphere = materials.media.add_atmosphere(scene, diags);
+    let (materials, media, nodes) = (materials.materials, materials.media.table, materials.nodes);
     if errors(diags) > before {
         return None;
     }
-    // A wall that no shadow ray meets hides nothing of a lamp.
-    let walls = objects.iter().filter(|o| o.visibility & ray_mask::SHADOW != 0);
-    caps::cut_by_walls(&mut lights, walls.map(|o| &o.shape), glam::DVec3::ZERO);
+    // A wall that no shadow ray meets hides nothing of a lamp, and one that moves does not hide it always.
+    let hides = |o: &&GeomObject| o.visibility & ray_mask::SHADOW != 0 && o.motion.is_none();
+    caps::cut_by_walls(
+        &mut lights,
+        objects.iter().filter(hides).map(|o| &o.shape),
+        glam::DVec3::ZERO,
+    );
     let geometry = Geometry::build_as(technique.build, objects, meshes);
     let lights = LightSet::with_pick(lights, technique.lights, geometry.bounds());
+    let fogs = media::fogs(scene, origin);
     let traits = SceneTraits {
         see_through: materials.iter().any(is_see_through),
         lamp_through_glass: lights.has_delta() && materials.iter().any(|m| m.interior),
         solids: materials.iter().any(|m| m.interior),
+        media: media.len() > 1 || !fogs.is_empty(),
+        textures: materials
+            .iter()
+            .any(|m| m.needs_attributes || m.alpha != Alpha::Opaque || m.normal_map.is_some()),
+        dispersion: materials.iter().any(|m| m.dispersion > 0.0),
+        moves: engine_camera.as_ref().is_some_and(|c| c.moves())
+            || geometry.objects().iter().any(|o| o.motion.is_some())
+            || (0..lights.len() as u32).any(|i| matches!(lights.get(i), Some(Light::Moving(_)))),
     };
     Some(CompiledScene {
         contacts: contacts(&geometry, &materials),
         origin,
         camera: engine_camera?,
         geometry,
+        media,
+        atmosphere,
+        fogs,
         materials,
         textures: Textures {
             nodes,

@@ -2,11 +2,13 @@
 
 use super::flatten::Leaf;
 use super::materials::Materials;
+use super::motion;
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::math::robust::try_normalize_f64;
 use crate::render::geometry::{GeomObject, LightMap, MeshData};
 use crate::render::light::{DiscLight, Light, ParallelogramLight, SphereLight, TriangleLight};
 use crate::render::material::{Alpha, Material};
+use crate::render::motion::Motion;
 use crate::render::ray::{PrimRef, ray_mask};
 use crate::render::shape::{Shape as Engine, Solid};
 use crate::render::surface::Surface;
@@ -20,8 +22,8 @@ pub struct Objects<'a, 'm, 'i> {
     origin: DVec3,
     materials: &'m mut Materials<'a, 'i>,
     meshes_known: BTreeMap<MeshId, u32>,
-    /// Loose triangles by visibility, made into one mesh each at the end.
-    loose: BTreeMap<u8, Loose>,
+    /// Loose triangles by visibility and motion, made into one mesh each at the end.
+    loose: BTreeMap<(u8, Vec<u64>), Loose>,
     /// The engine's objects.
     pub objects: Vec<GeomObject>,
     /// The engine's meshes.
@@ -30,12 +32,14 @@ pub struct Objects<'a, 'm, 'i> {
     pub lights: Vec<Light>,
 }
 
-/// Triangles that were written one by one, in world space.
+/// Triangles that were written one by one, in world space, where they stand when the shutter opens.
 #[derive(Default)]
 struct Loose {
     positions: Vec<DVec3>,
     normals: Vec<Vec3>,
     materials: Vec<u32>,
+    /// How all of them move.
+    motion: Option<Box<Motion>>,
 }
 
 impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
@@ -58,12 +62,16 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         let own = leaf.override_material.or(leaf.material).or(self.scene.default_material);
         let visibility = bits(leaf.visibility);
         let world = DAffine3::from_translation(-self.origin) * leaf.transform;
+        let (world, motion) = motion::of_leaf(leaf, world, diags);
         let shape = match &leaf.object.shape {
-            Shape::Mesh(id) => return self.add_mesh(*id, world, leaf, own, visibility, diags),
+            Shape::Mesh(id) => return self.add_mesh(*id, (world, motion), leaf, own, visibility, diags),
             Shape::Triangle { vertices, normals } => {
                 let material = self.materials.get(own, true, diags);
-                let loose = self.loose.entry(visibility).or_default();
-                loose.add(&leaf.transform, vertices, normals.as_ref(), material);
+                let key = (visibility, motion::bits(motion.as_deref()));
+                let loose = self.loose.entry(key).or_default();
+                let place = leaf.still_transform();
+                loose.add(&place, vertices, normals.as_ref(), material);
+                loose.motion = motion;
                 return;
             }
             Shape::Group(_) => return, // flattened
@@ -82,8 +90,11 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         object.visibility = visibility;
         let emits = self.materials.materials[material as usize].emits_front;
         if emits && leaf.visibility.indirect {
-            object.lights = self.shape_lights(&object.shape, material);
+            let first = self.lights.len();
+            let lights = self.shape_lights(&object.shape, material);
+            object.lights = motion::of_lights(&mut self.lights, first, lights, motion.as_deref());
         }
+        object.motion = motion;
         self.objects.push(object);
     }
 
@@ -91,7 +102,8 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
     /// reads. To be called once, at the end.
     pub fn finish(&mut self, diags: &mut Diagnostics) {
         self.add_attributes();
-        for (visibility, loose) in std::mem::take(&mut self.loose) {
+        for ((visibility, _), mut loose) in std::mem::take(&mut self.loose) {
+            let motion = loose.motion.take();
             let (mesh, materials) = loose.into_mesh();
             diags.count_anomaly(Anomaly::DroppedFace, mesh.dropped_faces);
             if mesh.triangles.is_empty() {
@@ -99,7 +111,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
             }
             let world = DAffine3::from_translation(mesh.center - self.origin);
             self.meshes.push(mesh_data(&mesh));
-            self.place_mesh(self.meshes.len() as u32 - 1, world, materials, visibility);
+            self.place_mesh(self.meshes.len() as u32 - 1, (world, motion), materials, visibility);
         }
     }
 
@@ -122,7 +134,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
     fn add_mesh(
         &mut self,
         id: MeshId,
-        world: DAffine3,
+        (world, motion): (DAffine3, Option<Box<Motion>>),
         leaf: &Leaf<'a>,
         own: Option<MaterialId>,
         visibility: u8,
@@ -149,11 +161,18 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
             }
         };
         let world = world * DAffine3::from_translation(mesh.center);
-        self.place_mesh(index, world, materials, visibility);
+        self.place_mesh(index, (world, motion), materials, visibility);
     }
 
-    fn place_mesh(&mut self, mesh: u32, world: DAffine3, materials: Vec<u32>, visibility: u8) {
+    fn place_mesh(
+        &mut self,
+        mesh: u32,
+        (world, motion): (DAffine3, Option<Box<Motion>>),
+        materials: Vec<u32>,
+        visibility: u8,
+    ) {
         let object = self.objects.len() as u32;
+        let first = self.lights.len();
         let emitting = |m: &u32| self.materials.materials[*m as usize].emits_front;
         let lights = if materials.iter().any(emitting) && visibility & ray_mask::INDIRECT != 0 {
             let data = &self.meshes[mesh as usize];
@@ -189,7 +208,8 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
             shape: Engine::mesh(mesh, world),
             materials,
             visibility,
-            lights,
+            lights: motion::of_lights(&mut self.lights, first, lights, motion.as_deref()),
+            motion,
         });
     }
 

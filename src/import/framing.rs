@@ -126,6 +126,7 @@ fn choose_camera(scene: &Scene, aspect: f64) -> Camera {
         projection: Projection::Perspective,
         lens_radius: 0.0,
         focus_distance: (center - location).dot(direction).max(f64::MIN_POSITIVE),
+        motion: Vec::new(),
         place: Place::None,
     }
 }

@@ -1,21 +1,35 @@
-//! Rays from the camera: pinhole and thin lens, perspective and orthographic, and the pixel filter.
+//! Rays from the camera: pinhole and thin lens, perspective and orthographic, moving or not, and the pixel filter.
 
+use super::motion::step;
 use super::ray::{Ray, ray_mask, split_direction};
 use super::settings::Filter;
+use crate::math::robust::UNIT_ROUNDOFF;
 use crate::math::warp::disc_concentric;
 use glam::{DVec3, Vec2, Vec3};
 
-/// A camera at the origin of camera-relative space.
+/// A camera; camera-relative space has its origin where it stands when the shutter opens.
 #[derive(Clone, Debug)]
 pub struct Camera {
+    /// Parallel rays instead of rays through one point.
+    pub orthographic: bool,
+    /// Where it stands and looks when the shutter opens.
+    pub pose: Pose,
+    /// The same at equal steps of the time that the shutter is open, the first at its opening, linear in between; empty
+    /// for a camera that stands still.
+    pub keys: Vec<Pose>,
+}
+
+/// Where a camera stands and looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Where it stands, from where it stands when the shutter opens.
+    pub location: DVec3,
     /// To the centre of the image plane.
     pub direction: DVec3,
     /// Width of the image plane, to the right of the picture.
     pub right: DVec3,
     /// Height of the image plane, to the top of the picture.
     pub up: DVec3,
-    /// Parallel rays instead of rays through one point.
-    pub orthographic: bool,
     /// Radius of the lens; 0 is a pinhole.
     pub lens_radius: f64,
     /// Distance of the plane in focus along the view axis, > 0, may be infinite.
@@ -23,36 +37,104 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The unit view axis.
+    /// Whether it moves while the shutter is open.
+    pub fn moves(&self) -> bool {
+        self.keys.len() > 1
+    }
+
+    /// Where it stands and looks at a time in [0, 1].
+    pub fn pose_at(&self, time: f32) -> Pose {
+        if !self.moves() {
+            return self.pose;
+        }
+        let (i, w) = step(self.keys.len(), time);
+        self.keys[i].towards(&self.keys[i + 1], w)
+    }
+
+    /// Where it stands at a time in [0, 1].
+    pub fn location_at(&self, time: f32) -> DVec3 {
+        self.pose_at(time).location
+    }
+
+    /// The unit view axis when the shutter opens.
     pub fn axis(&self) -> Vec3 {
-        self.direction.normalize().as_vec3()
+        self.axis_at(0.0)
+    }
+
+    /// The unit view axis at a time in [0, 1].
+    pub fn axis_at(&self, time: f32) -> Vec3 {
+        self.pose_at(time).direction.normalize().as_vec3()
+    }
+
+    /// The box of all places where it stands, rounded outward.
+    pub fn reach(&self) -> (Vec3, Vec3) {
+        let places = self.keys.iter().chain([&self.pose]).map(|pose| pose.location.as_vec3());
+        let (min, max) = places.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| {
+            (min.min(p), max.max(p))
+        });
+        let error = min.abs().max(max.abs()) * (2.0 * UNIT_ROUNDOFF);
+        (min - error, max + error)
     }
 
     /// The ray through (x, y) of the picture, both in units of its width and height from the centre: x in
-    /// [−½, ½] to the right, y in [−½, ½] upwards. `lens` is uniform in the unit square.
-    pub fn ray(&self, x: f64, y: f64, lens: Vec2) -> Ray {
-        let across = self.right * x + self.up * y;
+    /// [−½, ½] to the right, y in [−½, ½] upwards. `lens` is uniform in the unit square, `time` in [0, 1) of the time that
+    /// the shutter is open.
+    pub fn ray(&self, x: f64, y: f64, lens: Vec2, time: f32) -> Ray {
+        if self.moves() {
+            return self.moving_ray(x, y, lens, time);
+        }
+        self.ray_from(&self.pose, x, y, lens, time)
+    }
+
+    /// Apart from cameras that stand still.
+    #[inline(never)]
+    fn moving_ray(&self, x: f64, y: f64, lens: Vec2, time: f32) -> Ray {
+        self.ray_from(&self.pose_at(time), x, y, lens, time)
+    }
+
+    #[inline(always)]
+    fn ray_from(&self, pose: &Pose, x: f64, y: f64, lens: Vec2, time: f32) -> Ray {
+        let across = pose.right * x + pose.up * y;
         let (mut origin, mut dir) = if self.orthographic {
-            (across, self.direction)
+            (across, pose.direction)
         } else {
-            (DVec3::ZERO, self.direction + across)
+            (DVec3::ZERO, pose.direction + across)
         };
-        if self.lens_radius > 0.0 {
-            let axis = self.direction.normalize();
-            let (s, t) = self.lens_axes(axis);
-            let p = disc_concentric(lens).as_dvec2() * self.lens_radius;
+        if pose.lens_radius > 0.0 {
+            let axis = pose.direction.normalize();
+            let (s, t) = pose.lens_axes(axis);
+            let p = disc_concentric(lens).as_dvec2() * pose.lens_radius;
             let offset = s * p.x + t * p.y;
             // The point in focus is origin + d·F with d·axis = 1; seen from the lens point it lies along
             // d·F − offset, or d − offset/F: finite for every F, the pinhole's direction for F → ∞.
-            dir = dir / dir.dot(axis) - offset / self.focus_distance;
+            dir = dir / dir.dot(axis) - offset / pose.focus_distance;
             origin += offset;
         }
         // Far away a pixel of a narrow view is smaller than the rounding of a direction.
         let (dir, dir_low) = split_direction(dir.normalize());
-        let mut ray = Ray::new(origin.as_vec3(), dir);
+        let mut ray = Ray::new((pose.location + origin).as_vec3(), dir);
         ray.dir_low = dir_low;
         ray.mask = ray_mask::CAMERA;
+        ray.time = time;
         ray
+    }
+}
+
+impl Pose {
+    /// A pose part of the way to another, all its numbers in proportion; of a lens that is focused infinitely far away
+    /// the focus stays there.
+    fn towards(&self, other: &Pose, w: f64) -> Pose {
+        let mix = |a: DVec3, b: DVec3| a * (1.0 - w) + b * w;
+        // Reciprocals: 1/∞ is a number, and a focus between two is between them all the same.
+        let focus = 1.0 / ((1.0 - w) / self.focus_distance + w / other.focus_distance);
+        Pose {
+            location: mix(self.location, other.location),
+            direction: mix(self.direction, other.direction),
+            right: mix(self.right, other.right),
+            up: mix(self.up, other.up),
+            lens_radius: self.lens_radius * (1.0 - w) + other.lens_radius * w,
+            focus_distance: focus,
+        }
     }
 
     /// Two unit vectors that span the lens, perpendicular to the axis.
@@ -138,16 +220,19 @@ impl FilterSampler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::robust::UNIT_ROUNDOFF;
 
     fn camera(lens_radius: f64, focus_distance: f64) -> Camera {
         Camera {
-            direction: DVec3::new(0.0, 0.0, 2.0),
-            right: DVec3::X,
-            up: DVec3::Y,
             orthographic: false,
-            lens_radius,
-            focus_distance,
+            pose: Pose {
+                location: DVec3::ZERO,
+                direction: DVec3::new(0.0, 0.0, 2.0),
+                right: DVec3::X,
+                up: DVec3::Y,
+                lens_radius,
+                focus_distance,
+            },
+            keys: Vec::new(),
         }
     }
 
@@ -155,10 +240,10 @@ mod tests {
     #[test]
     fn all_lens_rays_meet_in_the_focus_plane() {
         let cam = camera(0.3, 7.0);
-        let pinhole = camera(0.0, 7.0).ray(0.2, -0.4, Vec2::ZERO);
+        let pinhole = camera(0.0, 7.0).ray(0.2, -0.4, Vec2::ZERO, 0.0);
         let focus = pinhole.dir * (7.0 / pinhole.dir.z);
         for u in [Vec2::ZERO, Vec2::new(0.9, 0.1), Vec2::new(0.3, 0.7)] {
-            let ray = cam.ray(0.2, -0.4, u);
+            let ray = cam.ray(0.2, -0.4, u, 0.0);
             let at = ray.origin + ray.dir * ((7.0 - ray.origin.z) / ray.dir.z);
             assert!((at - focus).length() < 1e-5, "{at} instead of {focus}");
         }
@@ -170,8 +255,8 @@ mod tests {
     fn a_lens_focused_very_far_away_gives_parallel_rays() {
         for focus in [1e20, 1e38, 1e300, f64::INFINITY] {
             for u in [Vec2::ZERO, Vec2::new(0.9, 0.5), Vec2::splat(0.3)] {
-                let ray = camera(0.3, focus).ray(0.2, 0.1, u);
-                let off = ray.dir - camera(0.0, 1.0).ray(0.2, 0.1, Vec2::ZERO).dir;
+                let ray = camera(0.3, focus).ray(0.2, 0.1, u, 0.0);
+                let off = ray.dir - camera(0.0, 1.0).ray(0.2, 0.1, Vec2::ZERO, 0.0).dir;
                 assert!(off.abs().max_element() <= UNIT_ROUNDOFF, "focus {focus}: off by {off}");
                 assert!(ray.origin != Vec3::ZERO, "focus {focus}: no lens");
             }
@@ -181,10 +266,10 @@ mod tests {
     /// Bit for bit, wherever the focus is.
     #[test]
     fn a_lens_without_a_radius_is_a_pinhole() {
-        let plain = camera(0.0, 1.0).ray(0.2, 0.1, Vec2::ZERO);
+        let plain = camera(0.0, 1.0).ray(0.2, 0.1, Vec2::ZERO, 0.0);
         for focus in [1e-20, 1.0, 1e20, f64::INFINITY] {
             for u in [Vec2::ZERO, Vec2::new(0.9, 0.5)] {
-                assert_eq!(camera(0.0, focus).ray(0.2, 0.1, u), plain);
+                assert_eq!(camera(0.0, focus).ray(0.2, 0.1, u, 0.0), plain);
             }
         }
     }
@@ -218,12 +303,10 @@ mod tests {
     fn extreme_fields_of_view_are_as_wide_as_they_say() {
         for degrees in [1e-4, 1e-2, 1.0, 90.0, 179.0, 179.9, 179.9999f64] {
             let half = (0.5 * degrees).to_radians();
-            let camera = Camera {
-                direction: DVec3::Z * (0.5 / half.tan()),
-                ..camera(0.0, 1.0)
-            };
+            let mut camera = camera(0.0, 1.0);
+            camera.pose.direction = DVec3::Z * (0.5 / half.tan());
             for x in [-0.5, 0.5] {
-                let d = camera.ray(x, 0.0, Vec2::ZERO).dir.as_dvec3();
+                let d = camera.ray(x, 0.0, Vec2::ZERO, 0.0).dir.as_dvec3();
                 let found = d.x.abs().atan2(d.z);
                 let off = (found - half).abs();
                 let u = f64::from(UNIT_ROUNDOFF);

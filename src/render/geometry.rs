@@ -4,12 +4,14 @@
 //! for what it hit, [`Geometry::surface`] and (textured materials only) [`Geometry::attributes`].
 
 mod attributes;
+mod moved;
 mod surface;
 #[cfg(test)]
 mod tests;
 
 use super::accel::mesh::MeshTree;
-use super::accel::scene::{Instructions, SceneTree};
+use super::accel::scene::{Instructions, Item, SceneTree};
+use super::motion::Motion;
 use super::ray::{Hit, PrimRef, Ray};
 use super::shape::Shape;
 use super::surface::Surface;
@@ -50,6 +52,8 @@ pub struct GeomObject {
     pub visibility: u8,
     /// Its lights.
     pub lights: LightMap,
+    /// From where `shape` says it is to where it is at a time, if it moves while the shutter is open.
+    pub motion: Option<Box<Motion>>,
 }
 
 impl GeomObject {
@@ -60,6 +64,16 @@ impl GeomObject {
             materials: vec![material],
             visibility: super::ray::ray_mask::ALL,
             lights: LightMap::None,
+            motion: None,
+        }
+    }
+
+    /// What the tree needs to know of it.
+    fn item(&self) -> Item<'_> {
+        Item {
+            shape: &self.shape,
+            visibility: self.visibility,
+            motion: self.motion.as_deref(),
         }
     }
 
@@ -112,8 +126,8 @@ impl Geometry {
             .par_iter()
             .map(|m| MeshTree::build(&m.positions, &m.triangles, preset))
             .collect();
-        let shapes: Vec<_> = objects.iter().map(|o| (&o.shape, o.visibility)).collect();
-        let tree = SceneTree::build(&shapes, trees, preset);
+        let items: Vec<_> = objects.iter().map(GeomObject::item).collect();
+        let tree = SceneTree::build(&items, trees, preset);
         Geometry { objects, meshes, tree }
     }
 
@@ -169,9 +183,10 @@ impl Geometry {
         self.tree.bounds().map(|b| (b.min, b.max))
     }
 
-    /// World box of one object, rounded outward; `None` if it is unbounded or not there.
+    /// World box of one object over the whole shutter, rounded outward; `None` if it is unbounded or not there.
     pub fn bounds_of(&self, object: u32) -> Option<(Vec3, Vec3)> {
-        let bounds = self.tree.bounds_of(&self.objects.get(object as usize)?.shape);
+        let object = self.objects.get(object as usize)?;
+        let bounds = self.tree.bounds_of(&object.shape, object.motion.as_deref());
         (!bounds.is_empty()).then_some((bounds.min, bounds.max))
     }
 
@@ -180,7 +195,7 @@ impl Geometry {
         self.tree.reaches(ray, self.corners(ray.to))
     }
 
-    /// World corners of a mesh triangle; `None` for everything else.
+    /// World corners of a mesh triangle, where it was compiled; `None` for everything else.
     pub fn triangle(&self, prim: PrimRef) -> Option<[DVec3; 3]> {
         let Shape::Mesh { mesh, placement } = &self.objects.get(prim.object as usize)?.shape else {
             return None;

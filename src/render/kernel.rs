@@ -7,26 +7,28 @@
 mod contact;
 mod direct;
 mod fold;
+mod path;
 mod roulette;
 mod start;
 #[cfg(test)]
 mod tests;
+pub mod tier;
+mod volume;
 mod weigh;
 
-use super::bsdf::Bsdf;
-use super::material::{Alpha, Shading};
+use super::material::Shading;
 use super::medium::MediumStack;
-use super::ray::{PrimRef, Ray, ray_mask};
+use super::ray::Ray;
 use super::report::{Anomalies, Anomaly};
-use super::sampler::{Group, Repeated, Sampler};
+use super::sampler::{Group, Sampler};
 use super::scene::CompiledScene;
 use super::settings::Settings;
 use super::surface::{Attributes, Surface};
 use super::technique::{Direct, Roulette, SamplerKind};
+use super::wavelength::Wavelength;
 use crate::math::robust::offset_origin;
-use contact::contact;
-use fold::Sides;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
+use tier::{KernelTier, Tier};
 
 /// Scattering into a direction of at least this density, in 1/sr, is like that of a mirror where caustics are left out:
 /// 50 times that of a diffuse surface at its densest; the middle of the reflection of facets of α ≤ 0.07 is above it.
@@ -113,10 +115,13 @@ pub struct Kernel<'a> {
     caustics: bool,
     /// Whether surfaces take light samples at all.
     sample_lights: bool,
-    /// What the camera is inside of.
+    /// What the camera is inside of, at the shutter's opening.
     camera_media: MediumStack,
+    /// Whether that may change while the shutter is open.
+    media_vary: bool,
     axis: Vec3,
     aovs: bool,
+    tier: KernelTier,
 }
 
 impl<'a> Kernel<'a> {
@@ -142,14 +147,21 @@ impl<'a> Kernel<'a> {
             } else {
                 !lights.is_empty()
             },
+            media_vary: start::media_vary(scene),
             camera_media: if scene.traits.solids {
-                start::media_around_camera(scene)
+                start::media_around_camera(scene, 0.0)
             } else {
                 MediumStack::default()
             },
             axis: scene.camera.axis(),
             aovs: a.depth || a.normal || a.albedo,
+            tier: KernelTier::of(&scene.traits),
         }
+    }
+
+    /// What paths are compiled to watch for.
+    pub fn tier(&self) -> KernelTier {
+        self.tier
     }
 
     /// The numbers of a sample.
@@ -159,14 +171,14 @@ impl<'a> Kernel<'a> {
 
     /// Traces one path. A sample with a NaN or infinite value is counted and becomes black.
     #[inline(always)]
-    pub fn trace(
+    pub fn trace<T: Tier>(
         &self,
         sampler: &Sampler,
         stats: &mut PathStats,
-        camera_ray: impl FnOnce([f32; 4]) -> Ray,
+        camera_ray: impl FnOnce([f32; 4], f32) -> Ray,
     ) -> PathSample {
-        let ray = camera_ray(sampler.get4(0, Group::Primary));
-        let mut sample = self.path(sampler, stats, ray);
+        let ray = camera_ray(sampler.get4(0, Group::Primary), self.time(sampler));
+        let mut sample = self.path::<T>(sampler, stats, ray);
         if !sample.radiance.is_finite() {
             stats.anomalies.count(Anomaly::NonFinite, 1);
             sample.radiance = Vec3::ZERO;
@@ -180,216 +192,13 @@ impl<'a> Kernel<'a> {
         sample
     }
 
-    #[inline(always)]
-    fn path(&self, sampler: &Sampler, stats: &mut PathStats, mut ray: Ray) -> PathSample {
-        let scene = self.scene;
-        let mut out = PathSample {
-            radiance: Vec3::ZERO,
-            first: FirstHit {
-                depth: f32::INFINITY,
-                normal: Vec3::ZERO,
-                albedo: Vec3::ZERO,
-            },
-        };
-        // In a medium of index n radiance is n² times that outside. Paths carry radiance over n², which no refraction
-        // changes: what comes from the environment, which stands in air as the camera does, keeps its share whatever
-        // surfaces are open, cut by the camera or too thin to be told apart. Emitters in a medium give 1/n² of theirs.
-        let mut throughput = Vec3::ONE;
-        let mut from = Departure {
-            p: ray.origin,
-            n: Vec3::ZERO,
-            two_sided: true,
-            pdf: None,
-            way: Way::Any,
-        };
-        let mut media = self.camera_media.clone();
-        let mut left: Option<DVec3> = None;
-        let mut bounce = 1u32; // 1 is the first surface
-        let mut passes = 0u32;
-        loop {
-            stats.rays += 1;
-            // Drawn before the ray is traced: they depend on nothing and fill the time the chain of roots leaves.
-            let first_scatter = sampler.get4(bounce, Group::Primary);
-            let Some(hit) = scene.geometry.closest(&ray) else {
-                out.radiance += throughput * self.escaped(&ray, &from, bounce);
-                return out;
-            };
-            let surface = scene.geometry.surface(&ray, &hit);
-            if !media.is_empty() {
-                // From point to point: the ray itself starts a little beside the surface it left.
-                let way = match &left {
-                    Some(left) => (surface.exact() - *left).length() as f32,
-                    None => hit.t,
-                };
-                throughput *= media.transmittance(way);
-            }
-            if scene.traits.solids {
-                left = Some(surface.exact());
-            }
-            let material = &scene.materials[surface.material as usize];
-            let computed;
-            let attributes = if material.needs_attributes {
-                computed = scene.geometry.attributes(&hit, &surface);
-                &computed
-            } else {
-                &NO_ATTRIBUTES
-            };
-            let wo = -ray.dir;
-            let front = wo.dot(surface.ng) >= 0.0;
-            let contact = match material.interior {
-                true => contact(scene, &ray, &surface, front),
-                false => None,
-            };
-            let outer_ior = match contact {
-                Some(next) if !front => next.material.ior,
-                _ if scene.traits.solids => media.ior_around(surface.prim.object),
-                _ => 1.0,
-            };
-            let shading = self.shading(attributes, outer_ior);
-            if material.alpha != Alpha::Opaque {
-                let alpha = material.alpha(&shading);
-                if alpha < 1.0 && sampler.repeated(bounce, Repeated::Coverage, passes) >= alpha {
-                    if passes == MOST_PASSES {
-                        stats.anomalies.count(Anomaly::StackOverflow, 1);
-                        return out;
-                    }
-                    passes += 1;
-                    ray = go_on(&ray, &surface);
-                    continue;
-                }
-            }
-            if material.emits_front {
-                let emitted = material.emission(&shading, front);
-                out.radiance += throughput * emitted * (self.hit_weight(&ray, &from, &surface, hit.t) * media.basic());
-            }
-            if bounce > self.max_depth && !self.aovs {
-                return out;
-            }
-
-            let frame = material.shading_frame(&shading, surface.ng, surface.ns, wo);
-            let ns = frame.n;
-            let wo_local = frame.to_local(wo);
-            let mut mixes = 0;
-            let bsdf = material.bsdf(&shading, &mut || {
-                mixes += 1;
-                sampler.repeated(bounce, Repeated::Mix, passes * 64 + mixes)
-            });
-            if self.aovs && bounce == 1 && out.first.depth.is_infinite() {
-                let facing = if ns.dot(wo) < 0.0 { -ns } else { ns };
-                out.first = FirstHit {
-                    depth: surface.p.dot(self.axis),
-                    normal: facing,
-                    albedo: bsdf.albedo(wo_local),
-                };
-            }
-            if bounce > self.max_depth {
-                return out;
-            }
-
-            let (scatter, light) = if passes == 0 {
-                (first_scatter, None)
-            } else {
-                (
-                    sampler.repeated4(bounce, Group::Primary, passes),
-                    Some(sampler.repeated4(bounce, Group::Light, passes)),
-                )
-            };
-            let sides = Sides {
-                bsdf: &bsdf,
-                frame: &frame,
-                ng: surface.ng,
-                wo: wo_local,
-            };
-            let delta_only = bsdf.is_delta_only();
-            let two_sided = bsdf.transmits();
-            let toward = if wo_local.z < 0.0 { -ns } else { ns };
-            if self.sample_lights && !delta_only {
-                let u = light.unwrap_or_else(|| sampler.get4(bounce, Group::Light));
-                let sampled = scene
-                    .lights
-                    .sample(surface.p, toward, two_sided, u[2], Vec2::new(u[0], u[1]));
-                if let Some(light) = sampled
-                    && (light.delta || self.direct != Direct::Bsdf)
-                {
-                    let lit = self.lit(&light, &sides, &surface, &media, from.way, stats);
-                    out.radiance += throughput * lit;
-                }
-            }
-
-            let Some(s) = bsdf.sample(wo_local, Vec2::new(scatter[0], scatter[1]), scatter[2]) else {
-                return out;
-            };
-            let wi = frame.to_world(s.wi);
-            // A diffuse direction is new; others inherit the length of the old one, which must not drift.
-            let wi = if matches!(bsdf, Bsdf::Diffuse(_)) {
-                wi
-            } else {
-                nearly_unit(wi)
-            };
-            let crosses = (s.wi.z < 0.0) != (wo_local.z < 0.0);
-            let (wi, pdf) = sides.fold(&s, wi);
-            throughput *= s.weight * (s.eta * s.eta);
-            if crosses && material.interior {
-                let mut is_known = media.cross(surface.prim.object, front, material);
-                if let Some(other) = contact {
-                    is_known &= media.cross(other.object, !front, other.material);
-                }
-                if !is_known {
-                    stats.anomalies.count(Anomaly::StackOverflow, 1);
-                    return out;
-                }
-            }
-            if s.straight {
-                if passes == MOST_PASSES {
-                    stats.anomalies.count(Anomaly::StackOverflow, 1);
-                    return out;
-                }
-                passes += 1;
-                ray = go_on(&ray, &surface);
-                continue;
-            }
-
-            if bounce >= self.roulette_from {
-                let survival = roulette::survival(throughput, bounce);
-                if scatter[3] >= survival {
-                    return out;
-                }
-                throughput /= survival;
-            } else if throughput == Vec3::ZERO {
-                return out;
-            }
-            from = Departure {
-                p: surface.p,
-                n: toward,
-                two_sided,
-                pdf: (!s.delta).then_some(pdf),
-                way: if self.caustics {
-                    Way::Any
-                } else {
-                    from.way.after(s.delta || pdf >= MIRROR_LIKE)
-                },
-            };
-            ray = Ray {
-                origin: offset_origin(surface.p, surface.p_error, surface.ng, wi),
-                dir: wi,
-                dir_low: Vec3::ZERO,
-                t_max: f32::INFINITY,
-                from: surface.prim,
-                to: PrimRef::NONE,
-                mask: ray_mask::INDIRECT,
-            };
-            bounce += 1;
-            passes = 0;
-        }
-    }
-
-    fn shading<'s>(&'s self, attrs: &'s Attributes, outer_ior: f32) -> Shading<'s> {
+    fn shading<'s>(&'s self, attrs: &'s Attributes, outer_ior: f32, wavelength: Option<Wavelength>) -> Shading<'s> {
         Shading {
             materials: &self.scene.materials,
             textures: &self.scene.textures,
             attrs,
             outer_ior,
-            channel: None,
+            wavelength,
         }
     }
 }

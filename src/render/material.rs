@@ -18,6 +18,7 @@ use super::bsdf::specular::Specular;
 use super::surface::Attributes;
 use super::technique::{FresnelModel, Technique};
 use super::texture::Textures;
+use super::wavelength::Wavelength;
 use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
 use glam::Vec3;
@@ -160,8 +161,8 @@ pub struct Material {
     pub alpha: Alpha,
     /// Perturbs the shading normal.
     pub normal_map: Option<NormalMap>,
-    /// Absorption coefficient inside, per world unit.
-    pub absorption: Vec3,
+    /// What fills a solid of it: index into the scene's media.
+    pub medium: u32,
     /// Index of refraction inside (glass), or of the coat (glossy).
     pub ior: f32,
     /// 20 / Abbe number; 0 for no dispersion.
@@ -183,8 +184,8 @@ pub struct Shading<'a> {
     pub attrs: &'a Attributes,
     /// Index of refraction of what encloses the object.
     pub outer_ior: f32,
-    /// The channel that a path follows after its first dispersive hit.
-    pub channel: Option<u8>,
+    /// The wavelength that a path follows after its first dispersive hit.
+    pub wavelength: Option<Wavelength>,
 }
 
 impl Material {
@@ -198,7 +199,7 @@ impl Material {
             emits_back: true,
             alpha: Alpha::Opaque,
             normal_map: None,
-            absorption: Vec3::ZERO,
+            medium: super::medium::CLEAR,
             ior: 1.5,
             dispersion: 0.0,
             interior: false,
@@ -234,13 +235,11 @@ impl Material {
         }
     }
 
-    /// The index of refraction inside for one channel (0, 1, 2), or the middle one.
-    /// Source: KHR_materials_dispersion: n ∓ (n−1)·0.025·dispersion for red and blue.
-    pub fn ior_at(&self, channel: Option<u8>) -> f32 {
-        let half_spread = (self.ior - 1.0) * 0.025 * self.dispersion;
-        match channel {
-            Some(0) => self.ior - half_spread,
-            Some(2) => self.ior + half_spread,
+    /// The index of refraction inside, of a wavelength if the path follows one and the glass disperses.
+    #[inline(always)]
+    pub fn ior_at(&self, wavelength: Option<Wavelength>) -> f32 {
+        match wavelength {
+            Some(w) if self.dispersion > 0.0 => w.ior(self.ior, self.dispersion),
             _ => self.ior,
         }
     }
@@ -299,7 +298,7 @@ impl Material {
                 })
             }
             SurfaceModel::Principled(p) => self.principled(p, cx, random),
-            SurfaceModel::Finish(f) => Bsdf::Finish(f.lobes(self.scattering.fresnel, cx)),
+            SurfaceModel::Finish(f) => Bsdf::Finish(f.lobes(self.scattering.fresnel, self.relative_ior(cx), cx)),
             SurfaceModel::Mix { .. } => Bsdf::Black, // resolved above unless nested without end
         }
     }
@@ -322,7 +321,7 @@ impl Material {
 
     /// n_inside / n_outside.
     fn relative_ior(&self, cx: &Shading<'_>) -> f32 {
-        self.ior_at(cx.channel) / cx.outer_ior
+        self.ior_at(cx.wavelength) / cx.outer_ior
     }
 
     /// Emitted radiance at a point, seen from the front or the back.
@@ -371,7 +370,7 @@ impl Material {
                 color.eval(cx.textures, cx.attrs) * (1.0 - r)
             }
             SurfaceModel::Finish(f) => {
-                let mut lobes = f.lobes(self.scattering.fresnel, cx);
+                let mut lobes = f.lobes(self.scattering.fresnel, self.relative_ior(cx), cx);
                 if lobes.eta != 1.0 && !bent_too {
                     return Vec3::ZERO;
                 }

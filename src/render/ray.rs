@@ -48,6 +48,9 @@ pub struct Ray {
     pub to: PrimRef,
     /// What kind of ray it is, one bit of [`ray_mask`].
     pub mask: u8,
+    /// When it is sent, in [0, 1) of the time that the shutter is open; 0 where nothing moves. All rays of a path have
+    /// the same.
+    pub time: f32,
 }
 
 impl Ray {
@@ -61,6 +64,7 @@ impl Ray {
             from: PrimRef::NONE,
             to: PrimRef::NONE,
             mask: ray_mask::ALL,
+            time: 0.0,
         }
     }
 

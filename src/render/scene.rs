@@ -4,6 +4,8 @@ use super::camera::Camera;
 use super::geometry::Geometry;
 use super::light::LightSet;
 use super::material::Material;
+use super::medium::Medium;
+use super::medium::fog::Fog;
 use super::texture::Textures;
 use glam::{DVec3, Vec3};
 
@@ -19,6 +21,12 @@ pub struct CompiledScene {
     pub materials: Vec<Material>,
     /// Textures and images that materials use.
     pub textures: Textures,
+    /// What fills solids and the space between them; the first is [`super::medium::CLEAR`].
+    pub media: Vec<Medium>,
+    /// Index of the medium outside of all solids.
+    pub atmosphere: u32,
+    /// Fogs outside of all solids.
+    pub fogs: Vec<Fog>,
     /// Lamps, emitting shapes, environment.
     pub lights: LightSet,
     /// What camera rays see instead of the environment.
@@ -36,6 +44,14 @@ pub struct SceneTraits {
     pub see_through: bool,
     /// Some solid refracts and point lamps exist: their shadow rays pass tinted through smooth glass.
     pub lamp_through_glass: bool,
-    /// Some solid refracts or absorbs: paths keep track of what they are inside of.
+    /// Some solid refracts, or something fills one: paths keep track of what they are inside of.
     pub solids: bool,
+    /// Something fills a solid or the space between them.
+    pub media: bool,
+    /// Some material varies over its surface, or covers it only in part.
+    pub textures: bool,
+    /// Some glass refracts colours differently.
+    pub dispersion: bool,
+    /// Something moves while the shutter is open: paths have a time.
+    pub moves: bool,
 }

@@ -1,6 +1,6 @@
 //! Cameras: a pinhole or thin lens, perspective or orthographic.
 
-use super::Place;
+use super::{CameraKey, Place};
 use glam::DVec3;
 
 /// How the picture's shape meets the camera's.
@@ -44,6 +44,9 @@ pub struct Camera {
     pub lens_radius: f64,
     /// Distance of the plane in focus along the view axis, world units, > 0.
     pub focus_distance: f64,
+    /// Where it stands and looks at equal steps of the time that the shutter is open, the first at its opening, linear in
+    /// between; empty for a camera that stands still.
+    pub motion: Vec<CameraKey>,
     /// Where it was written.
     pub place: Place,
 }
@@ -61,6 +64,7 @@ impl Default for Camera {
             projection: Projection::Perspective,
             lens_radius: 0.0,
             focus_distance: 1.0,
+            motion: Vec::new(),
             place: Place::None,
         }
     }

@@ -31,10 +31,13 @@ impl Scene {
             push(line, 0, &format!("atmosphere{}", medium_text(&self.atmosphere)));
         }
         for f in &self.fogs {
+            let ground = f.ground.map_or(String::new(), |g| {
+                format!(" up {} offset {} falloff {}", vec(g.up), num(g.offset), num(g.falloff))
+            });
             push(
                 line,
                 0,
-                &format!("fog {} distance {} {:?}", vec(f.color), num(f.distance), f.ground),
+                &format!("fog {} distance {}{ground}", vec(f.color), num(f.distance)),
             );
         }
         for l in &self.lights {
@@ -85,7 +88,12 @@ fn dump_defaults(out: &mut String, d: &RenderDefaults) {
     if let Some([w, h]) = d.resolution {
         let _ = write!(text, " resolution {w}x{h}");
     }
-    let numbers = [("error", d.error), ("confidence", d.confidence), ("time", d.time)];
+    let numbers = [
+        ("error", d.error),
+        ("confidence", d.confidence),
+        ("time", d.time),
+        ("shutter", d.shutter),
+    ];
     let counts = [
         ("spp", d.spp.map(u64::from)),
         ("max_depth", d.max_depth.map(u64::from)),
@@ -129,6 +137,11 @@ fn dump_camera(out: &mut String, c: &Camera, active: bool) {
             1,
             &format!("lens {} focus {}", num(c.lens_radius), num(c.focus_distance)),
         );
+    }
+    for key in &c.motion {
+        let vectors = [key.location, key.direction, key.right, key.up].map(vec).join(" ");
+        let (lens, focus) = (num(key.lens_radius), num(key.focus_distance));
+        push(out, 1, &format!("key {vectors} lens {lens} focus {focus}"));
     }
 }
 
@@ -177,7 +190,7 @@ fn dump_light(out: &mut String, l: &Light) {
         } => format!(" pov {} {} {}", num(*radius), num(*falloff), num(*tightness)),
         SpotProfile::Punctual { inner, outer } => format!(" punctual {} {}", num(*inner), num(*outer)),
     };
-    let kind = match &l.kind {
+    let kind_text = |kind: &LightKind| match kind {
         LightKind::Point { position, falloff: f } => format!("point {}{}", vec(*position), falloff(f)),
         LightKind::Spot {
             position,
@@ -214,7 +227,11 @@ fn dump_light(out: &mut String, l: &Light) {
         }
     };
     let shadows = if l.casts_shadows { "" } else { " shadowless" };
+    let kind = kind_text(&l.kind);
     push(out, 0, &format!("light {kind} color {}{shadows}", vec(l.color)));
+    for key in &l.motion {
+        push(out, 1, &format!("key {}", kind_text(key)));
+    }
 }
 
 fn dump_object(out: &mut String, depth: usize, o: &Object) {
@@ -224,15 +241,7 @@ fn dump_object(out: &mut String, depth: usize, o: &Object) {
         let _ = write!(text, " material {}{over}", m.0);
     }
     if o.transform != DAffine3::IDENTITY {
-        let t = &o.transform;
-        let columns = [t.matrix3.x_axis, t.matrix3.y_axis, t.matrix3.z_axis]
-            .map(vec)
-            .join(" ");
-        if t.matrix3 == glam::DMat3::IDENTITY {
-            let _ = write!(text, " at {}", vec(t.translation));
-        } else {
-            let _ = write!(text, " axes {columns} at {}", vec(t.translation));
-        }
+        text.push_str(&map_text(&o.transform));
     }
     let v = o.visibility;
     for (name, on) in [("camera", v.camera), ("shadow", v.shadow), ("indirect", v.indirect)] {
@@ -244,6 +253,20 @@ fn dump_object(out: &mut String, depth: usize, o: &Object) {
         let _ = write!(text, " name {:?}", o.name);
     }
     push(out, depth, &text);
+    for key in &o.motion {
+        push(out, depth + 1, &format!("key{}", map_text(key)));
+    }
+}
+
+fn map_text(t: &DAffine3) -> String {
+    let columns = [t.matrix3.x_axis, t.matrix3.y_axis, t.matrix3.z_axis]
+        .map(vec)
+        .join(" ");
+    if t.matrix3 == glam::DMat3::IDENTITY {
+        format!(" at {}", vec(t.translation))
+    } else {
+        format!(" axes {columns} at {}", vec(t.translation))
+    }
 }
 
 fn shape_text(shape: &Shape) -> String {

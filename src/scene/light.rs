@@ -99,6 +99,9 @@ pub struct Light {
     pub kind: LightKind,
     /// Whether objects block it (off: `shadowless`).
     pub casts_shadows: bool,
+    /// What it is at equal steps of the time that the shutter is open, the first at its opening: of the same kind as
+    /// `kind`, of which places, axes and directions count, linear in between. Empty for a lamp that stands still.
+    pub motion: Vec<LightKind>,
     /// Where it was written.
     pub place: Place,
 }

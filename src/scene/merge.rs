@@ -151,10 +151,19 @@ impl Offsets {
 }
 
 impl Light {
-    /// The lamp moved by an affine map: places and edges are mapped, directions mapped and normalised; intensity stays.
+    /// The lamp moved by an affine map, its motion with it: places and edges are mapped, directions mapped and
+    /// normalised; intensity stays.
     pub fn transformed(mut self, t: DAffine3) -> Light {
+        self.kind.transform(&t);
+        self.motion.iter_mut().for_each(|key| key.transform(&t));
+        self
+    }
+}
+
+impl LightKind {
+    fn transform(&mut self, t: &DAffine3) {
         let direction = |d: glam::DVec3| t.transform_vector3(d).normalize_or(d);
-        match &mut self.kind {
+        match self {
             LightKind::Point { position, .. } => *position = t.transform_point3(*position),
             LightKind::Spot { position, axis, .. } => {
                 *position = t.transform_point3(*position);
@@ -176,6 +185,5 @@ impl Light {
                 }
             }
         }
-        self
     }
 }

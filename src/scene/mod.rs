@@ -15,6 +15,7 @@ mod material;
 mod medium;
 mod merge;
 mod mesh;
+pub mod motion;
 mod settings;
 mod shape;
 mod texture;
@@ -29,6 +30,7 @@ pub use material::{
 };
 pub use medium::{Fog, GroundFog, Medium, Phase};
 pub use mesh::{Mesh, mend_normals};
+pub use motion::CameraKey;
 pub use settings::{FilterKind, RenderDefaults};
 pub use shape::{Object, Shape, Visibility};
 pub use texture::{Channel, Encoding, ImageTexture, TexelFilter, Texture, Wrap};
@@ -116,6 +118,8 @@ pub struct Scene {
     pub environment: Environment,
     /// What fills the space outside of all solids.
     pub atmosphere: Medium,
+    /// Where the atmosphere was written.
+    pub atmosphere_place: Place,
     /// Fogs in it.
     pub fogs: Vec<Fog>,
     /// What the scene asks of the renderer.

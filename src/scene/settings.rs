@@ -31,4 +31,6 @@ pub struct RenderDefaults {
     pub seed: Option<u64>,
     /// Pixel filter.
     pub filter: Option<FilterKind>,
+    /// How long the shutter is open, in units of the clock, ≥ 0; 0 (or nothing) shows a moment.
+    pub shutter: Option<f64>,
 }

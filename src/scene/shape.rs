@@ -99,6 +99,10 @@ pub struct Object {
     pub shape: Shape,
     /// From the shape's space to the space of the scene or group. Invertible and finite; mirrors are allowed.
     pub transform: DAffine3,
+    /// How it moves while the shutter is open, in its own space: at key k a point p of the shape is at
+    /// `transform · motion[k] · p`. Keys are at equal steps of time, the first at the shutter's opening, matrices linear in
+    /// between; empty for what stands still.
+    pub motion: Vec<DAffine3>,
     /// Its material; `None` takes the enclosing object's, then the scene's default.
     pub material: Option<MaterialId>,
     /// Whether `material` replaces the materials inside a mesh or group too (an override), instead of only
@@ -118,6 +122,7 @@ impl Object {
         Object {
             shape,
             transform: DAffine3::IDENTITY,
+            motion: Vec::new(),
             material: None,
             override_material: false,
             visibility: Visibility::default(),

@@ -31,8 +31,8 @@ pub struct Uses {
     pub normal_maps: bool,
     /// Coverage by alpha.
     pub alpha: bool,
-    /// Absorption inside of solids.
-    pub absorption: bool,
+    /// Media inside of solids or in the air, and fogs.
+    pub media: bool,
     /// POV-Ray's highlights, or coats over a diffuse base.
     pub highlights: bool,
     /// Mirrors and reflecting finishes.
@@ -57,6 +57,7 @@ impl Uses {
             hittable_lights: (0..lights.len() as u32).any(|i| !delta(&i)),
             environment: is_lighting(&scene.environment),
             lens: scene.camera().is_some_and(|c| c.lens_radius > 0.0),
+            media: !scene.atmosphere.is_clear() || !scene.fogs.is_empty(),
             many_shapes: is_beyond(scene, FEW_SHAPES),
             ..Uses::default()
         };
@@ -71,7 +72,7 @@ impl Uses {
     fn add(&mut self, scene: &Scene, material: &Material) {
         self.images |= image_inputs(material).iter().any(|t| has_image(scene, *t));
         self.alpha |= material.opacity.mode != OpacityMode::Opaque;
-        self.absorption |= material.interior.absorption.max_element() > 0.0;
+        self.media |= !material.interior.is_clear();
         self.normal_maps |= material.normal_map.is_some_and(|n| n.scale != 0.0);
         match &material.surface {
             SurfaceModel::Black

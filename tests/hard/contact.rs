@@ -109,12 +109,14 @@ fn no_shadow_ray_to_an_extreme_light_is_lost() {
         let scene = ready("tests/hard/lamps/shadows.pts", &[("Which", which)], [8, 8]).compiled;
         let (mut aimed, mut lost) = (0, 0);
         for _ in 0..100_000 {
-            let camera_ray = scene.camera.ray(rng.next_f64() - 0.5, rng.next_f64() - 0.5, Vec2::ZERO);
+            let camera_ray = scene
+                .camera
+                .ray(rng.next_f64() - 0.5, rng.next_f64() - 0.5, Vec2::ZERO, 0.0);
             let hit = scene.geometry.closest(&camera_ray).expect("the floor");
             let surface = scene.geometry.surface(&camera_ray, &hit);
             let light = scene
                 .lights
-                .sample(surface.p, surface.ng, false, rng.next_f32(), rng.next_vec2());
+                .sample(surface.p, surface.ng, false, rng.next_f32(), rng.next_vec2(), 0.0);
             let Some(light) = light.filter(|l| l.wi.dot(surface.ng) > 0.0) else {
                 continue;
             };

@@ -8,8 +8,8 @@ use super::leave_out::{has_coat, passes};
 use super::{Effect, Effect::*, image_inputs};
 use crate::render::technique::{LightPick, Technique};
 use crate::scene::{
-    EnvironmentKind, Material, MaterialId, Object, OpacityMode, Place, Principled, Scene, Shape, SurfaceModel, Texture,
-    TextureId,
+    Camera, EnvironmentKind, Material, MaterialId, Medium, Object, OpacityMode, Place, Principled, Scene, Shape, SurfaceModel,
+    Texture, TextureId,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -87,6 +87,8 @@ pub fn of(scene: &Scene, technique: &Technique) -> Effects {
         seen.look_at(scene, m, &what, object, 0);
     }
     of_camera(scene, &mut effects);
+    of_air(scene, &mut effects, &mut seen);
+    super::motion::of_scene(scene, &mut |cause| effects.add(Motion, cause));
     of_environment(scene, &mut effects, &mut seen);
     seen.conclude(scene, technique, &mut effects);
     effects
@@ -150,7 +152,7 @@ pub fn kind_of(shape: &Shape) -> &'static str {
 }
 
 /// `sphere "ball"`.
-fn name(shape: &Shape, name: &str) -> String {
+pub(super) fn name(shape: &Shape, name: &str) -> String {
     let word = kind_of(shape);
     if name.is_empty() {
         word.to_owned()
@@ -174,19 +176,15 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
     if m.opacity.mode != OpacityMode::Opaque && (a.texture.is_some() || a.factor < 1.0) {
         add(Alpha, "coverage below 1".to_owned());
     }
-    let absorbs = m.interior.absorption.max_element() > 0.0;
-    let mut absorption = |fills: bool| {
-        if fills && absorbs {
-            add(Media, "absorption".to_owned());
-        }
-    };
+    if lets_in(&m.surface) {
+        doings(&m.interior).for_each(|does| add(Media, does.to_owned()));
+    }
     match &m.surface {
         SurfaceModel::Black | SurfaceModel::Diffuse { .. } => {}
         SurfaceModel::Specular { .. } => add(Specular, "mirror".to_owned()),
         SurfaceModel::Glass {
             ior, roughness, abbe, ..
         } => {
-            absorption(true);
             let rough = if roughness.factor > 0.0 { "rough glass" } else { "glass" };
             // By itself an index of 1 bends nothing.
             if *ior != 1.0 {
@@ -206,11 +204,9 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
             }
         }
         SurfaceModel::Principled(p) => {
-            absorption(p.thick && p.transmission.factor > 0.0);
             of_principled(p, add);
         }
         SurfaceModel::Finish(f) => {
-            absorption(f.ior.is_some() && passes(f));
             if f.phong > 0.0 || f.specular > 0.0 {
                 add(Glossy, "highlight".to_owned());
             }
@@ -218,7 +214,12 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
                 add(Specular, "reflection".to_owned());
             }
             match f.ior.filter(|ior| *ior != 1.0 && passes(f)) {
-                Some(ior) => add(Glass, format!("transparent, ior {ior}")),
+                Some(ior) => {
+                    add(Glass, format!("transparent, ior {ior}"));
+                    if f.dispersion > 0.0 {
+                        add(Dispersion, format!("Abbe number {:.1}", 20.0 / f.dispersion));
+                    }
+                }
                 None if passes(f) => add(Alpha, "transparent without ior".to_owned()),
                 None => {}
             }
@@ -237,6 +238,33 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
         }
         SurfaceModel::Mix { .. } => {}
     }
+}
+
+/// Whether light gets into a solid of this surface, so that what fills it matters. The parts of a mixture count alone.
+fn lets_in(surface: &SurfaceModel) -> bool {
+    match surface {
+        SurfaceModel::Glass { .. } => true,
+        SurfaceModel::Principled(p) => p.thick && p.transmission.factor > 0.0,
+        SurfaceModel::Finish(f) => passes(f),
+        SurfaceModel::Black
+        | SurfaceModel::Diffuse { .. }
+        | SurfaceModel::Specular { .. }
+        | SurfaceModel::Glossy { .. }
+        | SurfaceModel::Translucent { .. }
+        | SurfaceModel::Mix { .. } => false,
+    }
+}
+
+/// What a medium does.
+fn doings(m: &Medium) -> impl Iterator<Item = &'static str> {
+    let all = [
+        ("absorption", m.absorption),
+        ("scattering", m.scattering),
+        ("emission", m.emission),
+    ];
+    all.into_iter()
+        .filter(|(_, v)| v.max_element() > 0.0)
+        .map(|(does, _)| does)
 }
 
 fn of_principled(p: &Principled, add: &mut dyn FnMut(Effect, String)) {
@@ -277,17 +305,43 @@ fn image_behind(scene: &Scene, texture: TextureId, depth: u32) -> Option<String>
 }
 
 fn of_camera(scene: &Scene, effects: &mut Effects) {
-    if let Some(camera) = scene.camera().filter(|c| c.lens_radius > 0.0) {
+    let radius = |c: &Camera| c.motion.iter().map(|key| key.lens_radius).fold(c.lens_radius, f64::max);
+    if let Some(camera) = scene.camera().filter(|c| radius(c) > 0.0) {
         effects.add(
             Lens,
             Cause {
                 what: "the camera".to_owned(),
-                why: format!("lens of radius {}", camera.lens_radius),
+                why: format!("lens of radius {}", radius(camera)),
                 place: camera.place.clone(),
                 times: 1,
             },
         );
     }
+}
+
+/// The atmosphere and the fogs in it.
+fn of_air(scene: &Scene, effects: &mut Effects, seen: &mut Receivers) {
+    let mut add = |what: &str, why: String, place: &Place| {
+        let cause = Cause {
+            what: what.to_owned(),
+            why,
+            place: place.clone(),
+            times: 1,
+        };
+        effects.add(Media, cause);
+    };
+    for does in doings(&scene.atmosphere) {
+        add("the atmosphere", does.to_owned(), &scene.atmosphere_place);
+    }
+    for fog in &scene.fogs {
+        let kind = if fog.ground.is_some() {
+            "fog on the ground"
+        } else {
+            "fog"
+        };
+        add("the air", format!("{kind} of distance {}", fog.distance), &fog.place);
+    }
+    seen.look_into(&scene.atmosphere, "the atmosphere", &scene.atmosphere_place);
 }
 
 fn of_environment(scene: &Scene, effects: &mut Effects, seen: &mut Receivers) {
@@ -324,6 +378,8 @@ struct Receivers {
     casters: Vec<Cause>,
     /// Lights that are seen under a small angle, or vary.
     lights: Vec<Cause>,
+    /// Media that shine: they light the scene, but nobody samples them.
+    glows: bool,
 }
 
 impl Receivers {
@@ -360,8 +416,24 @@ impl Receivers {
                 (false, false)
             }
         };
+        if lets_in(&m.surface) {
+            self.look_into(&m.interior, what, &object.place);
+        }
         self.rough.extend(rough.then(|| cause("scatters")));
         self.casters.extend(casts.then(|| cause("mirrors or bends light")));
+    }
+
+    /// A medium that scatters is a receiver as rough surfaces are.
+    fn look_into(&mut self, m: &Medium, what: &str, place: &Place) {
+        self.glows |= m.emission.max_element() > 0.0;
+        if m.scattering.max_element() > 0.0 {
+            self.rough.push(Cause {
+                what: what.to_owned(),
+                why: "scatters inside".to_owned(),
+                place: place.clone(),
+                times: 1,
+            });
+        }
     }
 
     fn conclude(mut self, scene: &Scene, technique: &Technique, effects: &mut Effects) {
@@ -378,7 +450,7 @@ impl Receivers {
                 times: 1,
             });
         }
-        let is_lit = !self.lights.is_empty() || effects.has(Environment);
+        let is_lit = !self.lights.is_empty() || self.glows || effects.has(Environment);
         if technique.max_depth > 1 && is_lit {
             let scatter = self.rough.iter().chain(&self.casters);
             scatter.cloned().for_each(|cause| effects.add(Indirect, cause));

@@ -3,7 +3,7 @@
 use super::{Effect, flatten};
 use crate::files::Files;
 use crate::render::technique::{LightPick, Technique};
-use crate::scene::{ColorInput, Finish, Material, OpacityMode, Principled, Scene, SurfaceModel};
+use crate::scene::{Camera, ColorInput, Finish, Material, Medium, OpacityMode, Principled, Scene, SurfaceModel};
 use glam::DVec3;
 
 /// A scene and a way to render it, from which something is taken away.
@@ -34,9 +34,14 @@ impl Effect {
             Effect::Textures => flatten::images(scene, files),
             Effect::Bump => each_material(scene, no_normal_maps),
             Effect::Alpha => each_material(scene, no_holes),
-            Effect::Media => each_material(scene, |m| m.interior.absorption = DVec3::ZERO),
+            Effect::Media => {
+                each_material(scene, |m| m.interior = Medium::default());
+                scene.atmosphere = Medium::default();
+                scene.fogs.clear();
+            }
             Effect::Dispersion => each_material(scene, no_dispersion),
-            Effect::Lens => scene.cameras.iter_mut().for_each(|c| c.lens_radius = 0.0),
+            Effect::Lens => scene.cameras.iter_mut().for_each(no_lens),
+            Effect::Motion => scene.hold_still(),
             Effect::Environment => scene.environment.illuminates = false,
             Effect::Specular => each_material(scene, no_mirrors),
             Effect::Glass => each_material(scene, no_refraction),
@@ -51,6 +56,11 @@ impl Effect {
 
 fn each_material(scene: &mut Scene, edit: fn(&mut Material)) {
     scene.materials.iter_mut().for_each(edit);
+}
+
+fn no_lens(camera: &mut Camera) {
+    camera.lens_radius = 0.0;
+    camera.motion.iter_mut().for_each(|key| key.lens_radius = 0.0);
 }
 
 fn no_normal_maps(material: &mut Material) {
@@ -73,6 +83,7 @@ fn no_dispersion(material: &mut Material) {
     match &mut material.surface {
         SurfaceModel::Glass { abbe, .. } => *abbe = None,
         SurfaceModel::Principled(p) => p.dispersion = 0.0,
+        SurfaceModel::Finish(f) => f.dispersion = 0.0,
         _ => {}
     }
 }

@@ -7,6 +7,7 @@
 pub mod causes;
 mod flatten;
 mod leave_out;
+mod motion;
 #[cfg(test)]
 mod tests;
 
@@ -23,12 +24,14 @@ pub enum Effect {
     Bump,
     /// Coverage, and light that passes straight through surfaces.
     Alpha,
-    /// What fills solids: absorption.
+    /// What fills solids and the air: absorption, scattering, emission, fog.
     Media,
     /// An index of refraction that depends on the colour.
     Dispersion,
     /// A lens with an opening.
     Lens,
+    /// What moves while the shutter is open.
+    Motion,
     /// Light from infinitely far away.
     Environment,
     /// Mirrors.
@@ -51,13 +54,14 @@ use Effect::*;
 
 impl Effect {
     /// All of them, in the order in which they are told.
-    pub const ALL: [Effect; 14] = [
+    pub const ALL: [Effect; 15] = [
         Textures,
         Bump,
         Alpha,
         Media,
         Dispersion,
         Lens,
+        Motion,
         Environment,
         Specular,
         Glass,
@@ -77,6 +81,7 @@ impl Effect {
             Media => "media",
             Dispersion => "dispersion",
             Lens => "lens",
+            Motion => "motion",
             Environment => "environment",
             Specular => "specular",
             Glass => "glass",
@@ -94,9 +99,10 @@ impl Effect {
             Textures => "images on surfaces are their mean colour",
             Bump => "surfaces are as smooth as their shapes",
             Alpha => "surfaces are wholly there",
-            Media => "solids are clear inside",
+            Media => "solids and the air are clear",
             Dispersion => "all colours are refracted alike",
             Lens => "everything is sharp",
+            Motion => "everything stands where it is when the shutter opens",
             Environment => "the sky is seen but lights nothing",
             Specular => "mirrors are black",
             Glass => "glass neither bends nor reflects",

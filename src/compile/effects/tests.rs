@@ -5,10 +5,11 @@ use crate::files::MemoryFiles;
 use crate::math::stats::Pcg;
 use crate::render::technique::Technique;
 use crate::scene::{
-    Camera, ColorInput, EnvironmentKind, Finish, FinishReflection, Image, ImageId, ImageSource, ImageTexture, Material,
-    NormalMap, Object, OpacityMode, Place, Principled, ScalarInput, Scene, Shape, SurfaceModel, Texture,
+    Camera, ColorInput, EnvironmentKind, Finish, FinishReflection, Fog, Image, ImageId, ImageSource, ImageTexture,
+    Material, Medium, NormalMap, Object, OpacityMode, Phase, Place, Principled, ScalarInput, Scene, Shape,
+    SurfaceModel, Texture,
 };
-use glam::{DAffine2, DVec3};
+use glam::{DAffine2, DAffine3, DVec3};
 
 const SCENES: u64 = 300;
 
@@ -72,6 +73,7 @@ fn material(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> Material {
             phong: part(rng).factor,
             diffuse_back: part(rng).factor,
             ior: chance(rng).then_some(1.4),
+            dispersion: part(rng).factor,
             reflection: chance(rng).then_some(FinishReflection {
                 min: DVec3::splat(0.1),
                 max: DVec3::splat(0.5),
@@ -96,7 +98,7 @@ fn material(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> Material {
         m.emission = DVec3::ONE.into();
     }
     if chance(rng) {
-        m.interior.absorption = DVec3::X;
+        m.interior = medium(rng);
     }
     if chance(rng) {
         m.opacity.mode = OpacityMode::Blend;
@@ -106,6 +108,17 @@ fn material(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> Material {
         .filter(|_| chance(rng))
         .map(|texture| NormalMap { texture, scale: 1.0 });
     m
+}
+
+/// A medium that does some of what media do, or nothing.
+fn medium(rng: &mut Pcg) -> Medium {
+    let mut some = |v: DVec3| if chance(rng) { v } else { DVec3::ZERO };
+    Medium {
+        absorption: some(DVec3::X),
+        scattering: some(DVec3::Y),
+        emission: some(DVec3::Z),
+        phase: Phase::Rayleigh,
+    }
 }
 
 fn scene(seed: u64) -> Scene {
@@ -128,6 +141,11 @@ fn scene(seed: u64) -> Scene {
             radius: 1.0,
         });
         object.name = format!("ball {i}");
+        // Keys that are all the same are no motion.
+        let end = if chance(&mut rng) { DVec3::X } else { DVec3::ZERO };
+        if chance(&mut rng) {
+            object.motion = [DVec3::ZERO, end].map(DAffine3::from_translation).to_vec();
+        }
         scene.objects.push(object.with_material(id));
     }
     scene.cameras.push(Camera {
@@ -136,7 +154,24 @@ fn scene(seed: u64) -> Scene {
     });
     scene.active_camera = Some(0);
     if chance(&mut rng) {
+        let mut key = scene.cameras[0].key();
+        scene.cameras[0].motion.push(key);
+        key.location.x += 1.0;
+        scene.cameras[0].motion.push(key);
+    }
+    if chance(&mut rng) {
         scene.environment.kind = EnvironmentKind::Constant(DVec3::ONE);
+    }
+    if chance(&mut rng) {
+        scene.atmosphere = medium(&mut rng);
+    }
+    if chance(&mut rng) {
+        scene.fogs.push(Fog {
+            color: DVec3::ONE,
+            distance: 10.0,
+            ground: None,
+            place: Place::None,
+        });
     }
     scene
 }
@@ -148,9 +183,16 @@ fn without(scene: &Scene, gone: &[causes::Cause]) -> Scene {
     scene.objects.retain(|o| !is_gone(&format!("sphere \"{}\"", o.name)));
     if is_gone("the camera") {
         scene.cameras[0].lens_radius = 0.0;
+        scene.cameras[0].motion.clear();
     }
     if is_gone("the environment") {
         scene.environment.kind = EnvironmentKind::Black;
+    }
+    if is_gone("the atmosphere") {
+        scene.atmosphere = Medium::default();
+    }
+    if is_gone("the air") {
+        scene.fogs.clear();
     }
     scene
 }

@@ -63,6 +63,7 @@ impl Loader<'_> {
             projection,
             lens_radius: 0.0,
             focus_distance: 1.0,
+            motion: Vec::new(),
             place: self.report.origin(&at),
         });
     }

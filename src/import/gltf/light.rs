@@ -74,6 +74,7 @@ impl Loader<'_> {
             color,
             kind,
             casts_shadows: true,
+            motion: Vec::new(),
             place: self.report.origin(&at),
         });
     }

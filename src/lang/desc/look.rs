@@ -1,7 +1,8 @@
 //! How surfaces and insides are described: POV-Ray's textures and the language's own materials.
 
+use super::MediaDesc;
 use crate::diag::Span;
-use crate::scene::FinishReflection;
+use crate::scene::{FinishReflection, Medium};
 use glam::DVec3;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -18,6 +19,8 @@ pub struct Look {
     pub surface: Option<Rc<SurfaceDesc>>,
     /// What fills the inside.
     pub interior: Option<Rc<InteriorDesc>>,
+    /// `hollow`: the inside of a texture's solid shows its media.
+    pub hollow: bool,
 }
 
 impl Look {
@@ -123,8 +126,10 @@ pub struct InteriorDesc {
     pub fade_color: DVec3,
     /// Absorption per unit length.
     pub absorption: DVec3,
-    /// Where a medium that is not drawn yet stands.
-    pub media: Option<Span>,
+    /// `dispersion`: index of violet over that of red, with its place.
+    pub dispersion: Option<(f64, Span)>,
+    /// Every `media`.
+    pub media: Vec<Rc<MediaDesc>>,
 }
 
 /// One of the language's own materials.
@@ -153,7 +158,7 @@ pub enum ModelSurface {
         ior: f64,
         roughness: f64,
         abbe: Option<f64>,
-        absorption: DVec3,
+        inside: Medium,
     },
     /// Coated or metallic.
     Glossy {
@@ -185,8 +190,8 @@ pub struct PrincipledDesc {
     pub diffuse_transmission_color: Rc<Pigment>,
     /// The numbers; its colours are not used.
     pub numbers: crate::scene::Principled,
-    /// `absorption`.
-    pub absorption: DVec3,
+    /// `absorption`, `scattering`, `phase`.
+    pub inside: Medium,
 }
 
 /// `image_map { … }`.

@@ -1,8 +1,10 @@
 //! What blocks describe, before anything is drawn: shared, so that a declared object costs its size once. `lower::emit`
 //! turns what the scene reaches into the IR; what is only declared is never looked at again.
 
+mod air;
 mod look;
 
+pub use air::{FogDesc, MediaDesc};
 pub use look::{
     FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, Pigment, PrincipledDesc, SurfaceDesc,
 };
@@ -38,6 +40,12 @@ pub enum Desc {
     Map(Rc<Pigment>),
     /// A sky sphere: its average colour.
     Sky(Rc<Pigment>),
+    /// A medium.
+    Media(Rc<MediaDesc>),
+    /// The density of a medium.
+    Density(Rc<Pigment>),
+    /// A fog.
+    Fog(Rc<FogDesc>),
     /// Something that is parsed and has no effect yet.
     Opaque(&'static str),
 }
@@ -60,6 +68,9 @@ impl Desc {
             Desc::Camera(_) => "a camera",
             Desc::Map(_) => "a map",
             Desc::Sky(_) => "a sky sphere",
+            Desc::Media(_) => "a medium",
+            Desc::Density(_) => "a density",
+            Desc::Fog(_) => "a fog",
             Desc::Opaque(kind) => kind,
         }
     }
@@ -248,6 +259,10 @@ pub struct SceneDesc {
     pub sky_sphere: Option<(SkyDesc, Span)>,
     /// `environment`, where.
     pub environment: Option<(SkyDesc, Span)>,
+    /// `media` of the air, all together.
+    pub media: Vec<Rc<MediaDesc>>,
+    /// Every `fog`.
+    pub fogs: Vec<Rc<FogDesc>>,
     /// `render { … }`.
     pub defaults: RenderDefaults,
     /// `assumed_gamma`, if written.

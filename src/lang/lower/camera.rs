@@ -288,6 +288,7 @@ impl Interp<'_> {
             },
             lens_radius: lens_radius * scale,
             focus_distance: focus_distance * scale,
+            motion: Vec::new(),
             place: Place::Text(c.span),
         })
     }

@@ -63,6 +63,10 @@ impl Interp<'_> {
             out.active_camera = Some(0);
         }
         self.emit_environment(&mut out);
+        let media = std::mem::take(&mut self.scene.media);
+        out.atmosphere = self.medium_of(&media);
+        out.atmosphere_place = media.first().map_or(Place::None, |m| Place::Text(m.span));
+        self.emit_fogs(&mut out);
         for (path, mut missing) in std::mem::take(&mut self.missing_models) {
             missing.severity = crate::diag::Severity::Note;
             missing.message = format!("\"{}\" is not there, but nothing drawn needs it", path.display());
@@ -143,6 +147,7 @@ impl Interp<'_> {
         Some(Object {
             shape,
             transform,
+            motion: Vec::new(),
             override_material: override_material && material.is_some(),
             material,
             visibility: object.visibility,

@@ -100,6 +100,7 @@ impl Interp<'_> {
             color,
             kind,
             casts_shadows: !l.shadowless,
+            motion: Vec::new(),
             place: Place::Text(l.span),
         };
         out.lights.push(light.transformed(to_world));

@@ -1,5 +1,6 @@
 //! Looks to materials of the IR: POV-Ray's layers and the language's own surfaces. Equal looks give one material.
 
+use crate::diag::{Diagnostic, Span};
 use crate::lang::desc::{FinishDesc, InteriorDesc, Layer, Look, ModelSurface, SurfaceDesc};
 use crate::lang::eval::Interp;
 use crate::scene::{Finish, Material, MaterialId, Medium, Place, Scene, SurfaceModel};
@@ -16,8 +17,8 @@ const EXPONENTIAL_FADE: f64 = 1000.0;
 /// Materials made already.
 #[derive(Default)]
 pub struct Materials {
-    /// By the look's parts: layers, surface, interior.
-    by_look: HashMap<[*const (); 3], Option<MaterialId>>,
+    /// By the look's parts (layers, surface, interior) and whether it is hollow.
+    by_look: HashMap<([*const (); 3], bool), Option<MaterialId>>,
     /// By everything but the place.
     by_value: HashMap<String, MaterialId>,
 }
@@ -25,7 +26,7 @@ pub struct Materials {
 impl Interp<'_> {
     /// The material of a look.
     pub(super) fn emit_look(&mut self, look: &Look, out: &mut Scene, done: &mut Materials) -> Option<MaterialId> {
-        let key = [
+        let parts = [
             look.layers
                 .as_ref()
                 .map_or(std::ptr::null(), |l| Rc::as_ptr(l).cast::<()>()),
@@ -34,6 +35,7 @@ impl Interp<'_> {
                 .as_ref()
                 .map_or(std::ptr::null(), |i| Rc::as_ptr(i).cast()),
         ];
+        let key = (parts, look.hollow);
         if let Some(&known) = done.by_look.get(&key) {
             return known;
         }
@@ -51,12 +53,16 @@ impl Interp<'_> {
         };
         if let Some(interior) = &look.interior {
             material.interior.absorption += self.absorption_of(interior);
-            if let Some(at) = interior.media {
-                self.warn_once(
-                    "P0409",
-                    at,
-                    "`media` is not supported yet beyond absorption and is left out",
-                );
+            // The language's own materials know where their inside is; POV-Ray fills no solid that is not hollow.
+            if look.hollow || look.surface.is_some() {
+                let media = self.medium_of(&interior.media);
+                material.interior = material.interior.and(&media);
+            } else if let Some(media) = interior.media.iter().find(|m| !m.is_clear())
+                && self.told_first("media of a solid that is not hollow")
+            {
+                let message = "`media` inside of an object that is not hollow is not drawn, as in POV-Ray";
+                let d = Diagnostic::warning("P0413", message).at(media.span, "");
+                self.report(d.hint("add `hollow` to the object"));
             }
         }
         Some(add(material, out, done))
@@ -144,6 +150,11 @@ impl Interp<'_> {
         finish.ior = interior
             .and_then(|i| i.ior)
             .filter(|_| filter + transmit > 0.0 || needs_ior(f));
+        if let (Some(ior), Some((ratio, at))) = (finish.ior, interior.and_then(|i| i.dispersion))
+            && filter + transmit > 0.0
+        {
+            finish.dispersion = self.dispersion(ior, ratio, at);
+        }
         let mut material = Material::new(SurfaceModel::Finish(Box::new(finish)));
         let emission = (self.glow(f) + f.emission) * rgb * opacity;
         material.emission = emission.max(DVec3::ZERO).into();
@@ -152,6 +163,22 @@ impl Interp<'_> {
         }
         material.place = layer.span.map_or(Place::None, Place::Text);
         material
+    }
+
+    /// 20/Abbe of an interior of this index whose indices of violet and red have this ratio.
+    ///
+    /// POV-Ray's index is n·ratio^((555 nm − λ)/350 nm), from 380 to 730 nm (its `spectral.h`); Abbe's number is
+    /// (n − 1)/(n_F − n_C), at 486.13 and 656.27 nm.
+    fn dispersion(&mut self, ior: f64, ratio: f64, at: Span) -> f64 {
+        let index = |nm: f64| ior * ratio.powf((555.0 - nm) / 350.0);
+        let over_abbe = 20.0 * (index(486.13) - index(656.27)) / (ior - 1.0);
+        if ratio != 1.0 && !(over_abbe > 0.0 && over_abbe.is_finite()) {
+            let message =
+                format!("`dispersion {ratio}` of `ior {ior}` spreads no colours as a material does, left out");
+            self.warn_once("P0409", at, message);
+            return 0.0;
+        }
+        if ratio == 1.0 { 0.0 } else { over_abbe }
     }
 
     /// The part of `ambient` that means a glowing surface.
@@ -184,7 +211,7 @@ impl Interp<'_> {
     }
 
     fn surface_material(&mut self, s: &SurfaceDesc, out: &mut Scene, done: &mut Materials) -> Option<Material> {
-        let mut absorbs = DVec3::ZERO;
+        let mut inside = Medium::default();
         let model = match &s.model {
             ModelSurface::Diffuse { color, sigma } => SurfaceModel::Diffuse {
                 color: self.pigment_input(color, out),
@@ -198,9 +225,9 @@ impl Interp<'_> {
                 ior,
                 roughness,
                 abbe,
-                absorption,
+                inside: own,
             } => {
-                absorbs = *absorption;
+                inside = *own;
                 SurfaceModel::Glass {
                     color: self.pigment_input(color, out),
                     ior: *ior,
@@ -224,7 +251,7 @@ impl Interp<'_> {
                 transmit: (*transmit).into(),
             },
             ModelSurface::Principled(p) => {
-                absorbs = p.absorption;
+                inside = p.inside;
                 let mut numbers = p.numbers.clone();
                 numbers.base_color = self.pigment_input(&p.base_color, out);
                 numbers.specular_color = self.pigment_input(&p.specular_color, out);
@@ -259,7 +286,7 @@ impl Interp<'_> {
             }
             material.emission = (material.emission.factor + radiance).into();
         }
-        material.interior = Medium::absorbing(absorbs);
+        material.interior = inside;
         material.place = Place::Text(s.span);
         Some(material)
     }

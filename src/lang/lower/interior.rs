@@ -18,6 +18,9 @@ const INTERIOR_TEXTS: &[&str] = &[
     "media",
 ];
 
+/// Indices of violet and red that differ by more than this ratio are no material.
+const LEAST_DISPERSION: f64 = 0.1;
+
 impl Interp<'_> {
     /// An interior, beginning with its word.
     pub fn interior(&mut self) -> Parsed<Rc<InteriorDesc>> {
@@ -51,6 +54,10 @@ impl Interp<'_> {
                     T::Word(w) => w,
                     _ => return Err(s.unexpected("`interior`", INTERIOR_TEXTS, tok)),
                 };
+                if w == Word::Media {
+                    i.media.push(s.media()?);
+                    continue;
+                }
                 s.bump();
                 match w {
                     Word::Ior => {
@@ -67,49 +74,13 @@ impl Interp<'_> {
                         let [r, g, b, ..] = s.color()?;
                         i.fade_color = DVec3::new(r, g, b);
                     }
-                    Word::Absorption => i.absorption = s.absorption()?,
-                    Word::Media => s.interior_media(&mut i, tok.span)?,
-                    Word::Caustics | Word::Dispersion | Word::DispersionSamples | Word::Refraction => {
-                        s.skip_arguments()?
+                    Word::Absorption => i.absorption = s.coefficient("absorption")?,
+                    Word::Dispersion => {
+                        let at = s.peek().span;
+                        i.dispersion = Some((s.within("dispersion", LEAST_DISPERSION, 1.0 / LEAST_DISPERSION)?, at));
                     }
+                    Word::Caustics | Word::DispersionSamples | Word::Refraction => s.skip_arguments()?,
                     _ => return Err(s.unexpected("`interior`", INTERIOR_TEXTS, tok)),
-                }
-            }
-        })
-    }
-
-    /// An absorption coefficient per channel and unit length, ≥ 0.
-    pub fn absorption(&mut self) -> Parsed<DVec3> {
-        let at = self.peek().span;
-        let [r, g, b, ..] = self.color()?;
-        let v = DVec3::new(r, g, b);
-        if v.min_element() < 0.0 {
-            return Err(self.error("P0311", at, "absorption must not be negative"));
-        }
-        Ok(v)
-    }
-
-    /// Pure absorption is exact; everything else of a medium is told and left out where it is drawn.
-    fn interior_media(&mut self, i: &mut InteriorDesc, span: crate::diag::Span) -> Parsed<()> {
-        self.block(|s| {
-            let depth = s.depth();
-            loop {
-                let tok = s.peek_item();
-                match tok.t {
-                    T::End => return Ok(()),
-                    T::Mark(b'}') if s.depth() == depth => return Ok(()),
-                    T::Word(Word::Absorption) => {
-                        s.bump();
-                        i.absorption += s.absorption()?;
-                    }
-                    T::Word(Word::Emission | Word::Scattering | Word::Density) | T::Name(_) => {
-                        i.media = Some(span);
-                        s.bump();
-                    }
-                    T::Mark(b'{') => s.skip_block()?,
-                    _ => {
-                        s.bump();
-                    }
                 }
             }
         })

@@ -79,7 +79,17 @@ impl Interp<'_> {
             Word::Environment => self.environment(),
             Word::GlobalSettings => self.global_settings(),
             Word::Render => self.render_block(),
-            Word::Fog | Word::Rainbow | Word::Media => {
+            Word::Media => {
+                let media = self.media()?;
+                self.scene.media.push(media);
+                Ok(())
+            }
+            Word::Fog => {
+                let fog = self.fog()?;
+                self.scene.fogs.push(fog);
+                Ok(())
+            }
+            Word::Rainbow => {
                 self.warn_once(
                     "P0409",
                     tok.span,
@@ -139,11 +149,12 @@ impl Interp<'_> {
                 Desc::Transform(t)
             }
             Word::Camera => Desc::Camera(self.camera()?),
-            Word::ColorMap | Word::PigmentMap => Desc::Map(self.map_block()?),
+            Word::ColorMap | Word::PigmentMap | Word::DensityMap => Desc::Map(self.map_block()?),
             Word::SkySphere => Desc::Sky(self.sky_sphere()?),
-            Word::TextureMap | Word::NormalMap | Word::SlopeMap | Word::DensityMap => self.opaque("a map")?,
-            Word::Media | Word::Density => self.opaque("a medium")?,
-            Word::Fog => self.opaque("a fog")?,
+            Word::TextureMap | Word::NormalMap | Word::SlopeMap => self.opaque("a map")?,
+            Word::Media => Desc::Media(self.media()?),
+            Word::Density => Desc::Density(self.density()?),
+            Word::Fog => Desc::Fog(self.fog()?),
             Word::Rainbow => self.opaque("a rainbow")?,
             Word::Spline => self.opaque("a spline")?,
             _ => return Ok(None),

@@ -74,7 +74,14 @@ impl Interp<'_> {
                 self.bump();
                 use_uv(&mut object.look);
             }
-            Word::Hollow | Word::Open | Word::Sturm | Word::Hierarchy | Word::DoubleIlluminate => {
+            Word::Hollow => {
+                self.bump();
+                object.look.hollow = self.flag()?;
+                if object.look.hollow {
+                    hollow_parts(object);
+                }
+            }
+            Word::Open | Word::Sturm | Word::Hierarchy | Word::DoubleIlluminate => {
                 self.bump();
                 self.flag()?;
             }
@@ -173,6 +180,21 @@ fn use_uv(look: &mut Look) {
         Rc::new(layer)
     });
     look.layers = Some(mapped.collect());
+}
+
+/// A hollow union's parts are hollow.
+fn hollow_parts(object: &mut ObjectDesc) {
+    let ShapeDesc::Union(parts) = &object.shape else { return };
+    let shows_media = |part: &ObjectDesc| part.look.interior.as_ref().is_some_and(|i| !i.media.is_empty());
+    if !parts.iter().any(|part| shows_media(part) && !part.look.hollow) {
+        return; // shared as it is
+    }
+    let hollow = parts.iter().map(|part| {
+        let mut part = (**part).clone();
+        part.look.hollow = true;
+        Rc::new(part)
+    });
+    object.shape = ShapeDesc::Union(hollow.collect());
 }
 
 /// A material replaces what it says something about.

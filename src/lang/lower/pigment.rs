@@ -49,7 +49,7 @@ impl Interp<'_> {
     }
 
     /// The inside of a pigment up to the closing mark.
-    fn pigment_items(&mut self, close: u8, base: Rc<Pigment>) -> Parsed<Rc<Pigment>> {
+    pub(super) fn pigment_items(&mut self, close: u8, base: Rc<Pigment>) -> Parsed<Rc<Pigment>> {
         let mut base = base;
         let mut pattern = None;
         let mut colors: Vec<[f64; 5]> = Vec::new();
@@ -70,8 +70,8 @@ impl Interp<'_> {
                     }
                 }
                 _ if self.starts_color() => colors.push(self.color()?),
-                T::Word(Word::ColorMap | Word::PigmentMap) => map = Some(self.map_block()?),
-                T::Word(Word::Pigment) => colors.push(self.pigment()?.color),
+                T::Word(Word::ColorMap | Word::PigmentMap | Word::DensityMap) => map = Some(self.map_block()?),
+                T::Word(Word::Pigment | Word::Density) => colors.push(self.pigment()?.color),
                 T::Word(Word::ImageMap) => {
                     pattern = Some(("image_map", tok.span));
                     image = self.image_map()?;
@@ -91,7 +91,7 @@ impl Interp<'_> {
                     }
                 }
                 T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
-                    Value::Desc(Desc::Pigment(p)) => base = p,
+                    Value::Desc(Desc::Pigment(p) | Desc::Density(p)) => base = p,
                     Value::Desc(Desc::Map(p)) => map = Some(p),
                     Value::Num(v) => colors.push(v.five()),
                     Value::Poison => return Err(Stop),
@@ -128,10 +128,10 @@ impl Interp<'_> {
         }))
     }
 
-    /// `color_map { … }` or `pigment_map { … }`, beginning with the word: the average over [0, 1].
+    /// `color_map { … }`, `pigment_map { … }` or `density_map { … }`, beginning with the word: the average over [0, 1].
     pub fn map_block(&mut self) -> Parsed<Rc<Pigment>> {
         let tok = self.bump();
-        let of_pigments = tok.t == T::Word(Word::PigmentMap);
+        let of_pigments = tok.t != T::Word(Word::ColorMap);
         let mut entries: Vec<(f64, [f64; 5])> = Vec::new();
         let base = self.block(|s| {
             if let T::Name(_) = s.peek().t {
@@ -170,7 +170,10 @@ impl Interp<'_> {
             return Err(self.error("P0311", tok.span, "map has no entries"));
         }
         let color = average(&entries);
-        let name = if of_pigments { "pigment_map" } else { "color_map" };
+        let name = match tok.t {
+            T::Word(w) => w.text(),
+            _ => "color_map",
+        };
         let varies = entries.iter().any(|e| Some(&e.1) != entries.first().map(|f| &f.1));
         Ok(Rc::new(Pigment {
             color,

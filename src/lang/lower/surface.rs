@@ -3,8 +3,7 @@
 use crate::lang::desc::{Desc, ModelSurface, Pigment, PrincipledDesc};
 use crate::lang::eval::{Interp, Parsed, T, Value};
 use crate::lang::syntax::Word;
-use crate::scene::Principled;
-use glam::DVec3;
+use crate::scene::{Medium, Phase, Principled};
 use std::rc::Rc;
 
 impl Interp<'_> {
@@ -42,7 +41,7 @@ impl Interp<'_> {
                 ior: items.numbers.ior,
                 roughness: items.roughness.unwrap_or(0.0),
                 abbe: items.abbe,
-                absorption: items.absorption,
+                inside: items.inside,
             },
             Word::Glossy => ModelSurface::Glossy {
                 color,
@@ -63,7 +62,7 @@ impl Interp<'_> {
                     sheen_color: sheen.unwrap_or(black),
                     diffuse_transmission_color: transmission.unwrap_or_else(white),
                     numbers: items.numbers,
-                    absorption: items.absorption,
+                    inside: items.inside,
                 }))
             }
         }))
@@ -112,7 +111,9 @@ impl Interp<'_> {
                     n.dispersion = self.within("dispersion", 0.0, 1e3)?
                 }
                 Word::Abbe | Word::Dispersion => items.abbe = Some(self.within("Abbe number", 1.0, f64::MAX)?),
-                Word::Absorption => items.absorption = self.absorption()?,
+                Word::Absorption => items.inside.absorption = self.coefficient("absorption")?,
+                Word::Scattering => items.inside.scattering = self.coefficient("scattering")?,
+                Word::Phase => items.inside.phase = Phase::HenyeyGreenstein(self.eccentricity("phase")?),
                 Word::Metal => items.metal = self.flag()?,
                 Word::Transmit => items.transmit = self.within("transmit", 0.0, 1.0)?,
                 Word::Metallic => n.metallic = self.within("metallic", 0.0, 1.0)?.into(),
@@ -173,7 +174,7 @@ struct Items {
     more_colors: [Option<Rc<Pigment>>; 3],
     roughness: Option<f64>,
     abbe: Option<f64>,
-    absorption: DVec3,
+    inside: Medium,
     metal: bool,
     transmit: f64,
     numbers: Principled,
@@ -187,7 +188,7 @@ impl Items {
             more_colors: [None, None, None],
             roughness: None,
             abbe: None,
-            absorption: DVec3::ZERO,
+            inside: Medium::default(),
             metal: false,
             transmit: 0.5,
             numbers: Principled::default(),
@@ -205,6 +206,8 @@ fn valid_words(w: Word) -> &'static [Word] {
             Word::Ior,
             Word::Roughness,
             Word::Absorption,
+            Word::Scattering,
+            Word::Phase,
             Word::Dispersion,
             Word::Abbe,
         ],
@@ -230,6 +233,8 @@ fn valid_words(w: Word) -> &'static [Word] {
             Word::DiffuseTransmissionColor,
             Word::Dispersion,
             Word::Absorption,
+            Word::Scattering,
+            Word::Phase,
         ],
     }
 }

@@ -7,6 +7,7 @@
 pub mod bounds;
 pub mod build;
 pub mod mesh;
+mod moving;
 pub mod node;
 pub mod scene;
 pub mod simd;

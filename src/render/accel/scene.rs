@@ -3,11 +3,13 @@
 use super::bounds::Bounds;
 use super::build::build_tree;
 use super::mesh::MeshTree;
+use super::moving::MovingTarget;
 use super::node::{LEAF, Node};
 use super::simd::{Baseline, Isa};
 use super::spheres::{FEW, SphereList};
 use super::traverse::{BoxRay, Leaf, traverse};
 use super::triangle::Line;
+use crate::render::motion::Motion;
 use crate::render::ray::{Hit, PrimRef, Ray};
 use crate::render::shape::candidates::Candidates;
 use crate::render::shape::{Placed, Shape, plane, sphere};
@@ -17,7 +19,7 @@ use std::marker::PhantomData;
 
 /// What an object is, as rays meet it.
 #[derive(Clone, Debug)]
-enum Target {
+pub(super) enum Target {
     Sphere {
         center: DVec3,
         radius_squared: f64,
@@ -32,6 +34,19 @@ enum Target {
         /// From the world to the unit of the mesh's tree.
         tree_from_world: Box<DAffine3>,
     },
+    /// Any of the others, moving.
+    Moving(Box<MovingTarget>),
+}
+
+/// An object as the tree is built over it.
+#[derive(Clone, Copy, Debug)]
+pub struct Item<'a> {
+    /// What it is and where.
+    pub shape: &'a Shape,
+    /// Which rays see it: bits of [`crate::render::ray::ray_mask`].
+    pub visibility: u8,
+    /// How it moves from there, if it does.
+    pub motion: Option<&'a Motion>,
 }
 
 /// Which instructions the walk is compiled for. Both give the same bits.
@@ -70,11 +85,11 @@ pub struct SceneTree {
 }
 
 impl SceneTree {
-    /// Builds the structure over objects given as shape and visibility. Meshes out of range count as empty.
-    pub fn build(objects: &[(&Shape, u8)], meshes: Vec<MeshTree>, preset: BuildPreset) -> SceneTree {
+    /// Builds the structure over objects. Meshes out of range count as empty.
+    pub fn build(objects: &[Item<'_>], meshes: Vec<MeshTree>, preset: BuildPreset) -> SceneTree {
         let mut tree = SceneTree {
             targets: Vec::with_capacity(objects.len()),
-            visibility: objects.iter().map(|o| o.1).collect(),
+            visibility: objects.iter().map(|o| o.visibility).collect(),
             meshes,
             planes: Vec::new(),
             spheres: SphereList::default(),
@@ -83,23 +98,24 @@ impl SceneTree {
             bounds: Bounds::EMPTY,
             instructions: Instructions::detect(),
         };
-        let spheres = objects.iter().filter(|o| matches!(o.0, Shape::Sphere { .. })).count();
+        let is_still_sphere = |o: &&Item<'_>| matches!(o.shape, Shape::Sphere { .. }) && o.motion.is_none();
+        let spheres = objects.iter().filter(is_still_sphere).count();
         let mut bounds = Vec::new();
         let mut bounded = Vec::new();
-        for (i, (shape, visibility)) in objects.iter().enumerate() {
-            tree.targets.push(tree.target(shape));
-            if matches!(shape, Shape::Plane { .. }) {
+        for (i, item) in objects.iter().enumerate() {
+            tree.targets.push(tree.target(item.shape, item.motion));
+            if matches!(item.shape, Shape::Plane { .. }) {
                 tree.planes.push(i as u32);
                 continue;
             }
-            let b = tree.bounds_of(shape);
+            let b = tree.bounds_of(item.shape, item.motion);
             if b.is_empty() {
                 continue;
             }
             tree.bounds = tree.bounds.union(b);
-            match **shape {
-                Shape::Sphere { center, radius } if spheres <= FEW => {
-                    tree.spheres.push(i as u32, center, radius, *visibility);
+            match *item.shape {
+                Shape::Sphere { center, radius } if spheres <= FEW && item.motion.is_none() => {
+                    tree.spheres.push(i as u32, center, radius, item.visibility);
                 }
                 _ => {
                     // The rounding of boxes and rays at this distance from the camera.
@@ -121,7 +137,11 @@ impl SceneTree {
         tree
     }
 
-    fn target(&self, shape: &Shape) -> Target {
+    fn target(&self, shape: &Shape, motion: Option<&Motion>) -> Target {
+        if let Some(motion) = motion {
+            let still = self.target(shape, None);
+            return Target::Moving(Box::new(MovingTarget::new(still, motion.clone())));
+        }
         match shape {
             Shape::Sphere { center, radius } => Target::Sphere {
                 center: *center,
@@ -146,8 +166,19 @@ impl SceneTree {
         }
     }
 
-    /// World box of a shape, rounded outward; empty for planes.
-    pub fn bounds_of(&self, shape: &Shape) -> Bounds {
+    /// World box of a shape over the whole time of its motion, rounded outward; empty for planes.
+    pub fn bounds_of(&self, shape: &Shape, motion: Option<&Motion>) -> Bounds {
+        match motion {
+            None => self.still_bounds(shape),
+            // Each point moves on a straight line between two keys, so that the box around both places holds the way.
+            Some(motion) => {
+                let parts = motion.keys().iter().map(|key| self.bounds_under(key, shape));
+                parts.fold(Bounds::EMPTY, Bounds::union)
+            }
+        }
+    }
+
+    fn still_bounds(&self, shape: &Shape) -> Bounds {
         match shape {
             Shape::Sphere { center, radius } => {
                 let r = DVec3::splat(*radius);
@@ -155,16 +186,30 @@ impl SceneTree {
             }
             Shape::Plane { .. } => Bounds::EMPTY,
             Shape::Placed(p) => Bounds::transformed(&p.world_from_object, p.kind.center(), p.kind.half_extent()),
-            Shape::Mesh { mesh, placement } => {
-                let Some(mesh) = self.meshes.get(*mesh as usize) else {
-                    return Bounds::EMPTY;
-                };
-                let parts = mesh.coarse_bounds().map(|b| {
-                    let (min, max) = (b.min.as_dvec3() * mesh.unit, b.max.as_dvec3() * mesh.unit);
-                    Bounds::transformed(&placement.world_from_mesh, (min + max) * 0.5, (max - min) * 0.5)
-                });
-                parts.fold(Bounds::EMPTY, Bounds::union)
+            Shape::Mesh { mesh, placement } => self.mesh_bounds(*mesh, &placement.world_from_mesh),
+        }
+    }
+
+    fn mesh_bounds(&self, mesh: u32, world_from_mesh: &DAffine3) -> Bounds {
+        let Some(mesh) = self.meshes.get(mesh as usize) else {
+            return Bounds::EMPTY;
+        };
+        let parts = mesh.coarse_bounds().map(|b| {
+            let (min, max) = (b.min.as_dvec3() * mesh.unit, b.max.as_dvec3() * mesh.unit);
+            Bounds::transformed(world_from_mesh, (min + max) * 0.5, (max - min) * 0.5)
+        });
+        parts.fold(Bounds::EMPTY, Bounds::union)
+    }
+
+    /// World box of a shape moved by a map.
+    fn bounds_under(&self, key: &DAffine3, shape: &Shape) -> Bounds {
+        match shape {
+            Shape::Sphere { center, radius } => Bounds::transformed(key, *center, DVec3::splat(*radius)),
+            Shape::Plane { .. } => Bounds::EMPTY,
+            Shape::Placed(p) => {
+                Bounds::transformed(&(*key * p.world_from_object), p.kind.center(), p.kind.half_extent())
             }
+            Shape::Mesh { mesh, placement } => self.mesh_bounds(*mesh, &(*key * placement.world_from_mesh)),
         }
     }
 
@@ -250,13 +295,13 @@ impl SceneTree {
         };
         let mut end = Candidates::new(&free);
         let mut room = 0.0;
-        match (self.targets.get(ray.to.object as usize), corners) {
-            (Some(Target::Mesh { mesh, tree_from_world }), Some(corners)) => {
+        match (self.located(ray.to.object, ray), corners) {
+            (Some((Target::Mesh { mesh, tree_from_world }, o, d)), Some(corners)) => {
                 end.enter(ray.to.object, &free);
-                let line = line_in(tree_from_world, ray);
+                let line = line_in(tree_from_world, o, d);
                 room = self.meshes[*mesh as usize].intersect_one(line, ray.to.prim, corners, &mut end);
             }
-            (Some(Target::Mesh { .. }) | None, _) => {}
+            (Some((Target::Mesh { .. }, ..)) | None, _) => {}
             _ => self.meet::<false, Baseline>(ray.to.object, &free, &mut end),
         }
         if end.prim == ray.to {
@@ -264,6 +309,14 @@ impl SceneTree {
             end
         } else {
             Candidates::new(ray)
+        }
+    }
+
+    /// What a ray meets of an object at its time, and the ray's origin and direction as that sees them.
+    fn located(&self, object: u32, ray: &Ray) -> Option<(&Target, DVec3, DVec3)> {
+        match self.targets.get(object as usize)? {
+            Target::Moving(moving) => moving.line(ray).map(|(o, d)| (moving.still(), o, d)),
+            target => Some((target, ray.origin.as_dvec3(), ray.direction())),
         }
     }
 
@@ -343,11 +396,12 @@ impl SceneTree {
             if self.visibility[object as usize] & ray.mask == 0 {
                 continue;
             }
-            if let Target::Mesh { mesh, tree_from_world } = &self.targets[object as usize] {
-                found.enter(object, ray);
-                self.meshes[*mesh as usize].intersect_by_force(line_in(tree_from_world, ray), &mut found);
-            } else {
-                self.meet::<false, Baseline>(object, ray, &mut found);
+            match self.located(object, ray) {
+                Some((Target::Mesh { mesh, tree_from_world }, o, d)) => {
+                    found.enter(object, ray);
+                    self.meshes[*mesh as usize].intersect_by_force(line_in(tree_from_world, o, d), &mut found);
+                }
+                _ => self.meet::<false, Baseline>(object, ray, &mut found),
             }
         }
         found.hit()
@@ -356,8 +410,37 @@ impl SceneTree {
     #[inline(always)]
     fn meet<const ANY: bool, I: Isa>(&self, object: u32, ray: &Ray, found: &mut Candidates) {
         found.enter(object, ray);
-        let (o, d) = (ray.origin.as_dvec3(), ray.direction());
-        match &self.targets[object as usize] {
+        let target = &self.targets[object as usize];
+        match target {
+            Target::Moving(moving) => self.meet_moving::<ANY>(moving, ray, found),
+            _ => self.meet_still::<ANY, I>(target, ray.origin.as_dvec3(), ray.direction(), found),
+        }
+    }
+
+    /// Moves the ray to where the object was compiled. The direction is mapped and not normalised, so that t stays what
+    /// it is.
+    #[inline(never)]
+    fn meet_moving<const ANY: bool>(&self, moving: &MovingTarget, ray: &Ray, found: &mut Candidates) {
+        let Some((o, d)) = moving.line(ray) else { return };
+        #[cfg(target_arch = "x86_64")]
+        if self.instructions == Instructions::Avx2 {
+            // SAFETY: `instructions` is Avx2 only where detection found it.
+            #[allow(unsafe_code)]
+            return unsafe { self.meet_avx2::<ANY>(moving.still(), o, d, found) };
+        }
+        self.meet_still::<ANY, Baseline>(moving.still(), o, d, found);
+    }
+
+    /// The same code for wider vectors, apart from the walk that meets what stands still.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,bmi1")]
+    fn meet_avx2<const ANY: bool>(&self, target: &Target, o: DVec3, d: DVec3, found: &mut Candidates) {
+        self.meet_still::<ANY, super::simd::Avx2>(target, o, d, found);
+    }
+
+    #[inline(always)]
+    fn meet_still<const ANY: bool, I: Isa>(&self, target: &Target, o: DVec3, d: DVec3, found: &mut Candidates) {
+        match target {
             Target::Sphere { center, radius_squared } => {
                 let dd = d.length_squared();
                 let (f, d) = ((o - *center).to_array(), d.to_array());
@@ -367,18 +450,19 @@ impl SceneTree {
             Target::Plane { normal, distance } => plane::intersect(*normal, *distance, o, d, found),
             Target::Placed(placed) => placed.intersect(o, d, found),
             Target::Mesh { mesh, tree_from_world } => {
-                self.meshes[*mesh as usize].intersect::<I>(line_in(tree_from_world, ray), ANY, found);
+                self.meshes[*mesh as usize].intersect::<I>(line_in(tree_from_world, o, d), ANY, found);
             }
+            Target::Moving(_) => {} // nothing moves twice
         }
     }
 }
 
 /// The ray in the unit of a mesh's tree.
 #[inline(always)]
-fn line_in(tree_from_world: &DAffine3, ray: &Ray) -> Line {
+fn line_in(tree_from_world: &DAffine3, o: DVec3, d: DVec3) -> Line {
     Line {
-        o: tree_from_world.transform_point3(ray.origin.as_dvec3()),
-        d: tree_from_world.transform_vector3(ray.direction()),
+        o: tree_from_world.transform_point3(o),
+        d: tree_from_world.transform_vector3(d),
     }
 }
 

@@ -5,6 +5,7 @@ mod schedule;
 use super::camera::{FilterSampler, place_in_picture};
 use super::estimate::{Bounded, ErrorEstimate, Wanted};
 use super::forecast::{Forecast, Look};
+use super::kernel::tier::{All, KernelTier, Surfaces, Tier};
 use super::kernel::{Kernel, PathStats};
 use super::picture::Channels;
 use super::pixels::Pixels;
@@ -196,7 +197,10 @@ impl Run<'_> {
                 if taken >= *to || self.stopped.load(Ordering::Relaxed) || self.save_due.load(Ordering::Relaxed) {
                     return;
                 }
-                self.trace_tile(tile, *to);
+                match self.kernel.tier() {
+                    KernelTier::Surfaces => self.trace_tile::<Surfaces>(tile, *to),
+                    KernelTier::All => self.trace_tile::<All>(tile, *to),
+                }
                 let taken = u64::from(tile.width * tile.height) * u64::from(to - taken);
                 self.samples.fetch_add(taken, Ordering::Relaxed);
                 self.tell(from);
@@ -226,7 +230,7 @@ impl Run<'_> {
         }
     }
 
-    fn trace_tile(&self, tile: &mut Tile, to: u32) {
+    fn trace_tile<T: Tier>(&self, tile: &mut Tile, to: u32) {
         let Tile {
             x0,
             y0,
@@ -243,10 +247,10 @@ impl Run<'_> {
             }
             let (x, y) = (*x0 + pixel as u32 % *width, *y0 + pixel as u32 / *width);
             let sampler = self.kernel.sampler(y * self.settings.width + x, index);
-            let path = self.kernel.trace(&sampler, stats, |u| {
+            let path = self.kernel.trace::<T>(&sampler, stats, |u, time| {
                 let across = place_in_picture(x, self.settings.width, self.filter.offset(u[0]));
                 let down = place_in_picture(y, self.settings.height, self.filter.offset(u[1]));
-                self.scene.camera.ray(across, -down, glam::Vec2::new(u[2], u[3]))
+                self.scene.camera.ray(across, -down, glam::Vec2::new(u[2], u[3]), time)
             });
             out[0] = f64::from(path.radiance.x);
             out[1] = f64::from(path.radiance.y);

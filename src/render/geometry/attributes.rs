@@ -1,5 +1,6 @@
 //! What only textured materials need at a hit.
 
+use super::moved::{MovedShape, moved_shape};
 use super::surface::weights;
 use super::{Geometry, MeshData};
 use crate::math::portable;
@@ -10,12 +11,15 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use std::f32::consts::{PI, TAU};
 
 impl Geometry {
-    /// Texture coordinates, vertex colour and tangents where a ray hit.
+    /// Texture coordinates, vertex colour and tangents where a ray of this time hit.
     ///
     /// Spheres are unrolled about their y axis: u runs once around from +x towards +z, v from the top (0) to
     /// the bottom (1). Other analytic shapes have no coordinates of their own.
-    pub fn attributes(&self, hit: &Hit, surface: &Surface) -> Attributes {
+    pub fn attributes(&self, hit: &Hit, surface: &Surface, time: f32) -> Attributes {
         let object = &self.objects[hit.prim.object as usize];
+        if let Some(motion) = &object.motion {
+            return self.moving_attributes(&object.shape, &motion.at(time), hit, surface);
+        }
         match &object.shape {
             Shape::Sphere { center, radius } => {
                 let map =
@@ -28,6 +32,19 @@ impl Geometry {
             ),
             Shape::Mesh { mesh, placement } => on_triangle(&self.meshes[*mesh as usize], placement, hit),
             Shape::Plane { .. } | Shape::Placed(_) => Attributes::default(),
+        }
+    }
+
+    /// Those of a shape that a map has moved.
+    #[inline(never)]
+    fn moving_attributes(&self, shape: &Shape, map: &DAffine3, hit: &Hit, surface: &Surface) -> Attributes {
+        match moved_shape(shape, map) {
+            MovedShape::Placed(placed) if placed.kind == Solid::Sphere => on_sphere(
+                &placed.world_from_object,
+                placed.object_from_world.transform_point3(surface.p.as_dvec3()),
+            ),
+            MovedShape::Mesh { mesh, placement } => on_triangle(&self.meshes[mesh as usize], &placement, hit),
+            MovedShape::Plane { .. } | MovedShape::Placed(_) => Attributes::default(),
         }
     }
 }

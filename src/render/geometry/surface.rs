@@ -1,10 +1,12 @@
 //! From a hit to a point on a surface, with the bound that keeps the next ray from hitting it again.
 
+use super::moved::{MovedShape, moved_shape};
 use super::{GeomObject, Geometry, MeshData};
 use crate::math::robust::{UNIT_ROUNDOFF, gamma, try_normalize_f64};
+use crate::render::motion::Motion;
 use crate::render::ray::{Hit, Ray};
 use crate::render::shape::placed::{abs, error_after_rounding, unit_normal};
-use crate::render::shape::{MeshPlacement, Shape};
+use crate::render::shape::{MeshPlacement, Placed, Shape};
 use crate::render::surface::Surface;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -12,6 +14,9 @@ impl Geometry {
     /// The surface where a ray hit. `hit` must come from this geometry and this ray.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let object = &self.objects[hit.prim.object as usize];
+        if let Some(motion) = &object.motion {
+            return self.moving_surface(object, motion, ray, hit);
+        }
         let along = || ray.at(hit.exact);
         match &object.shape {
             Shape::Sphere { center, radius } => {
@@ -36,6 +41,39 @@ impl Geometry {
                 of_object(object, hit, slot, point)
             }
         }
+    }
+
+    /// The surface of a shape where it is at the ray's time.
+    #[inline(never)]
+    fn moving_surface(&self, object: &GeomObject, motion: &Motion, ray: &Ray, hit: &Hit) -> Surface {
+        let moved = motion.at(ray.time);
+        let along = ray.at(hit.exact);
+        let solid = |placed: &Placed| {
+            let (p, p_error, n) = placed.surface(hit.prim.prim, along);
+            let ng = n.as_vec3();
+            (hit.prim.prim, Point { p, p_error, ng, ns: ng })
+        };
+        let (slot, mut point) = match moved_shape(&object.shape, &moved) {
+            MovedShape::Plane { normal, distance } => {
+                let p = along - normal * (normal.dot(along) - distance);
+                let p_error = error_after_rounding(p.as_vec3(), (p.abs() + distance.abs()) * F64_MARGIN);
+                let ng = normal.as_vec3();
+                (0, Point { p, p_error, ng, ns: ng })
+            }
+            MovedShape::Placed(placed) => solid(&placed),
+            MovedShape::Mesh { mesh, placement } => {
+                let mesh = &self.meshes[mesh as usize];
+                let point = on_triangle(mesh, &placement, ray, hit).unwrap_or_else(|| Point::unknown(along, ray));
+                let slot = mesh.face_materials.get(hit.prim.prim as usize).copied().unwrap_or(0);
+                (slot, point)
+            }
+        };
+        // The rounding of the way to where the shape was compiled, and back.
+        let back = moved.inverse();
+        let there = abs(back.matrix3) * point.p.abs() + back.translation.abs();
+        let rounding = (abs(moved.matrix3) * there + moved.translation.abs()) * F64_MARGIN;
+        point.p_error += rounding.as_vec3() * 2.0;
+        of_object(object, hit, slot, point)
     }
 }
 

@@ -2,24 +2,29 @@
 
 use super::contact::contact;
 use super::fold::Sides;
+use super::tier::Tier;
 use super::{Kernel, MIRROR_LIKE, MOST_PASSES, NO_ATTRIBUTES, PathStats, Way, go_on};
 use crate::render::light::{LightSample, mis_weight};
-use crate::render::medium::MediumStack;
+use crate::render::material::Material;
+use crate::render::medium::{Medium, MediumStack};
 use crate::render::ray::{Hit, PrimRef, Ray};
 use crate::render::report::Anomaly;
 use crate::render::surface::Surface;
 use crate::render::technique::Direct;
+use crate::render::wavelength::Wavelength;
 use glam::Vec3;
 
 impl Kernel<'_> {
     /// What one light sample adds to the radiance that leaves the surface.
-    pub(super) fn lit(
+    #[allow(clippy::too_many_arguments)] // what a path is made of
+    pub(super) fn lit<T: Tier>(
         &self,
         light: &LightSample,
         sides: &Sides,
         surface: &Surface,
         media: &MediumStack,
         way: Way,
+        wavelength: Option<Wavelength>,
         stats: &mut PathStats,
     ) -> Vec3 {
         let (mut f, bsdf_pdf) = sides.eval_pdf(light.wi);
@@ -47,7 +52,12 @@ impl Kernel<'_> {
         }
         if crosses && material.interior {
             let mut beyond = media.clone();
-            let is_known = beyond.cross(surface.prim.object, sides.wo.z >= 0.0, material);
+            let is_known = beyond.cross(
+                surface.prim.object,
+                sides.wo.z >= 0.0,
+                material.ior_at(wavelength),
+                material.medium,
+            );
             stats.anomalies.count(Anomaly::StackOverflow, u64::from(!is_known));
             behind = beyond;
             media = &behind;
@@ -61,11 +71,11 @@ impl Kernel<'_> {
         if ray.t_max <= 0.0 && light.to != PrimRef::NONE && !self.scene.geometry.reaches(&ray) {
             return Vec3::ZERO;
         }
-        unshadowed * self.visibility(light, ray, media, stats)
+        unshadowed * self.visibility::<T>(light, ray, media, wavelength, stats)
     }
 
     /// The radiance that the sampled point of a textured light emits towards `p`, as far as the light is there.
-    fn textured_emission(&self, light: &LightSample, p: Vec3) -> Vec3 {
+    pub(super) fn textured_emission(&self, light: &LightSample, p: Vec3) -> Vec3 {
         let geometry = &self.scene.geometry;
         let hit = Hit {
             t: light.distance,
@@ -73,31 +83,56 @@ impl Kernel<'_> {
             prim: light.to,
             b: light.b,
         };
-        let surface = geometry.surface(&Ray::new(p, light.wi), &hit);
-        let attributes = geometry.attributes(&hit, &surface);
+        let towards = Ray {
+            time: light.time,
+            ..Ray::new(p, light.wi)
+        };
+        let surface = geometry.surface(&towards, &hit);
+        let attributes = geometry.attributes(&hit, &surface, light.time);
         let front = light.wi.dot(surface.ng) < 0.0;
         let (material, shading) = (
             &self.scene.materials[surface.material as usize],
-            self.shading(&attributes, 1.0),
+            self.shading(&attributes, 1.0, None),
         );
         material.emission(&shading, front) * material.alpha(&shading)
     }
 
     /// The share of a light sample's radiance that arrives, per channel.
-    fn visibility(&self, light: &LightSample, mut ray: Ray, media: &MediumStack, stats: &mut PathStats) -> Vec3 {
+    pub(super) fn visibility<T: Tier>(
+        &self,
+        light: &LightSample,
+        mut ray: Ray,
+        media: &MediumStack,
+        wavelength: Option<Wavelength>,
+        stats: &mut PathStats,
+    ) -> Vec3 {
         let traits = self.scene.traits;
         let through_glass = light.delta && traits.lamp_through_glass;
         if !light.casts_shadow {
             return Vec3::splat(media.basic());
         }
+        // What is left after a way between surfaces. Fog does not dim lamps.
+        let passed = |media: &MediumStack, ray: &Ray, way: f32| {
+            if !T::MEDIA {
+                return Vec3::ONE;
+            }
+            let left = self.medium(media).transmittance(way);
+            if light.delta || self.scene.fogs.is_empty() {
+                return left;
+            }
+            left * self.through_fogs(media, ray, way)
+        };
         // What comes from infinitely far away comes from air.
-        let given = |media: &MediumStack| if light.distance.is_finite() { media.basic() } else { 1.0 };
+        let given = |media: &MediumStack| match light.distance.is_finite() {
+            true => media.basic(),
+            false => 1.0,
+        };
         if !traits.see_through && !through_glass {
             stats.rays += 1;
             if self.scene.geometry.occluded(&ray) {
                 return Vec3::ZERO;
             }
-            return media.transmittance(light.distance) * given(media);
+            return passed(media, &ray, light.distance) * given(media);
         }
         let mut media = media.clone();
         let mut left = Vec3::ONE;
@@ -105,28 +140,32 @@ impl Kernel<'_> {
         for _ in 0..MOST_PASSES {
             stats.rays += 1;
             let Some(hit) = self.scene.geometry.closest(&ray) else {
-                return left * media.transmittance(rest) * given(&media);
+                return left * passed(&media, &ray, rest) * given(&media);
             };
             let surface = self.scene.geometry.surface(&ray, &hit);
             let material = &self.scene.materials[surface.material as usize];
             let attributes = if material.needs_attributes {
-                self.scene.geometry.attributes(&hit, &surface)
+                self.scene.geometry.attributes(&hit, &surface, ray.time)
             } else {
                 NO_ATTRIBUTES
             };
             let cos = ray.dir.dot(surface.ng);
-            let shading = self.shading(&attributes, media.ior_around(surface.prim.object));
+            let around = media.ior_around(surface.prim.object);
+            let shading = self.shading(&attributes, around, if T::MEDIA { wavelength } else { None });
             let straight = material.straight_transmittance(&shading, cos.abs(), through_glass);
             let alpha = material.alpha(&shading);
-            left *= media.transmittance(hit.t) * (straight * alpha + Vec3::splat(1.0 - alpha));
+            left *= passed(&media, &ray, hit.t) * (straight * alpha + Vec3::splat(1.0 - alpha));
             if left == Vec3::ZERO {
                 return left;
             }
             if material.interior && alpha > 0.0 {
                 let front = cos < 0.0;
-                let mut is_known = media.cross(surface.prim.object, front, material);
+                let mut cross = |object: u32, inward: bool, m: &Material| {
+                    media.cross(object, inward, m.ior_at(wavelength), m.medium)
+                };
+                let mut is_known = cross(surface.prim.object, front, material);
                 if let Some(other) = contact(self.scene, &ray, &surface, front) {
-                    is_known &= media.cross(other.object, !front, other.material);
+                    is_known &= cross(other.object, !front, other.material);
                 }
                 stats.anomalies.count(Anomaly::StackOverflow, u64::from(!is_known));
             }
@@ -140,5 +179,10 @@ impl Kernel<'_> {
         }
         stats.anomalies.count(Anomaly::StackOverflow, 1);
         Vec3::ZERO
+    }
+
+    /// What fills the place of a path that is inside of these solids.
+    pub(super) fn medium(&self, media: &MediumStack) -> &Medium {
+        &self.scene.media[media.medium(self.scene.atmosphere) as usize]
     }
 }

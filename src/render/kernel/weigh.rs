@@ -37,6 +37,7 @@ impl Kernel<'_> {
                 p: surface.p,
                 ng: surface.ng,
                 distance: t,
+                time: ray.time,
             };
             self.scene
                 .lights

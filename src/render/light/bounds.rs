@@ -53,6 +53,7 @@ impl LightBounds {
         };
         Some(match light {
             Light::Directional(_) | Light::Environment(_) => return None,
+            Light::Moving(l) => return l.bounds(),
             Light::Point(l) => LightBounds::everywhere(l.position, DVec3::ZERO, f64::from(luminance(l.color))),
             Light::Spot(l) => LightBounds::everywhere(l.position, DVec3::ZERO, f64::from(luminance(l.color)))
                 .within(l.axis, &l.profile),
@@ -104,6 +105,16 @@ impl LightBounds {
                 surface(&points, l.normal_area(), l.radiance, l.two_sided)
             }
         })
+    }
+
+    /// The same place and strength, shining in every direction.
+    pub fn in_every_direction(self) -> LightBounds {
+        LightBounds {
+            axis: Vec3::Z,
+            cos_o: -1.0,
+            cos_e: 0.0,
+            ..self
+        }
     }
 
     fn everywhere(center: DVec3, half: DVec3, intensity: f64) -> LightBounds {

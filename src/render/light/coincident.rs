@@ -17,7 +17,12 @@ fn shape_of(light: &Light) -> Option<([u64; 11], PrimRef)> {
         }
     };
     let prim = match light {
-        Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) | Light::Environment(_) => {
+        Light::Point(_)
+        | Light::Spot(_)
+        | Light::Directional(_)
+        | Light::Area(_)
+        | Light::Environment(_)
+        | Light::Moving(_) => {
             return None;
         }
         Light::Sphere(l) => {
@@ -98,7 +103,8 @@ pub(crate) fn shadow_end(light: &Light, at: &Receiver, aim: &Aim) -> f32 {
         | Light::Spot(_)
         | Light::Directional(_)
         | Light::Area(_)
-        | Light::Environment(_) => return aim.t_max,
+        | Light::Environment(_)
+        | Light::Moving(_) => return aim.t_max,
     };
     let margin = aim.distance - aim.t_max;
     let end = aim.t_max - margin * (1.0 / cos.min(1.0) - 1.0) as f32;

@@ -55,25 +55,32 @@ pub(crate) fn is_distant(light: &Light) -> bool {
         Light::Point(l) => other(&l.falloff),
         Light::Spot(l) => other(&l.falloff),
         Light::Area(l) => other(&l.falloff),
+        Light::Moving(l) => is_distant(l.opening()),
         Light::Sphere(_) | Light::SphereCap(_) | Light::Triangle(_) | Light::Parallelogram(_) | Light::Disc(_) => false,
     }
+}
+
+/// The luminance of a light's colour and how it falls; `None` for emitting surfaces.
+fn strength(light: &Light) -> Option<(f32, Falloff)> {
+    Some(match light {
+        Light::Environment(l) => (l.mean_luminance() as f32, Falloff::None),
+        Light::Directional(l) => (luminance(l.color), Falloff::None),
+        Light::Point(l) => (luminance(l.color), l.falloff),
+        Light::Spot(l) => (luminance(l.color), l.falloff),
+        Light::Area(l) => (luminance(l.color), l.falloff),
+        Light::Moving(l) => return strength(l.opening()),
+        Light::Sphere(_) | Light::SphereCap(_) | Light::Triangle(_) | Light::Parallelogram(_) | Light::Disc(_) => {
+            return None;
+        }
+    })
 }
 
 impl DistantLights {
     pub fn new(lights: &[Light]) -> DistantLights {
         let mut set = DistantLights::default();
         for (i, light) in lights.iter().enumerate().filter(|(_, l)| is_distant(l)) {
-            let (brightness, falloff) = match light {
-                Light::Environment(l) => (l.mean_luminance() as f32, Falloff::None),
-                Light::Directional(l) => (luminance(l.color), Falloff::None),
-                Light::Point(l) => (luminance(l.color), l.falloff),
-                Light::Spot(l) => (luminance(l.color), l.falloff),
-                Light::Area(l) => (luminance(l.color), l.falloff),
-                Light::Sphere(_)
-                | Light::SphereCap(_)
-                | Light::Triangle(_)
-                | Light::Parallelogram(_)
-                | Light::Disc(_) => continue,
+            let Some((brightness, falloff)) = strength(light) else {
+                continue;
             };
             let reach = match (light, LightBounds::of(light)) {
                 (Light::Directional(l), _) => Reach::From(-l.direction),

@@ -16,6 +16,7 @@ mod environment;
 mod flat;
 mod lamp;
 mod mis;
+mod moving;
 mod parallelogram;
 mod power;
 mod set;
@@ -33,6 +34,7 @@ pub use disc::DiscLight;
 pub use environment::{EnvironmentImage, EnvironmentLight};
 pub use lamp::{AreaLamp, DirectionalLamp, Falloff, PointLamp, SpotLamp, SpotProfile};
 pub use mis::mis_weight;
+pub use moving::MovingLight;
 pub use parallelogram::ParallelogramLight;
 pub use set::LightSet;
 pub use sphere::SphereLight;
@@ -66,6 +68,8 @@ pub enum Light {
     Disc(Box<DiscLight>),
     /// Light from infinitely far away.
     Environment(Box<EnvironmentLight>),
+    /// Any of the others but the environment and caps, moving.
+    Moving(Box<MovingLight>),
 }
 
 impl Light {
@@ -79,6 +83,7 @@ impl Light {
             | Light::Parallelogram(_)
             | Light::Disc(_)
             | Light::Environment(_) => false,
+            Light::Moving(l) => l.opening().is_delta(),
         }
     }
 }
@@ -146,9 +151,23 @@ pub struct LightSample {
     pub light: u32,
     /// Whether blockers count at all.
     pub casts_shadow: bool,
+    /// When the light was there: the time of the path.
+    pub time: f32,
 }
 
 impl LightSample {
+    /// The ray from a point in free space to the light: what it meets before its end blocks.
+    pub fn shadow_ray_from(&self, p: Vec3) -> Ray {
+        Ray {
+            dir_low: self.wi_low,
+            t_max: self.t_max,
+            to: self.to,
+            mask: ray_mask::SHADOW,
+            time: self.time,
+            ..Ray::new(p, self.wi)
+        }
+    }
+
     /// The ray from a surface to the light: what it meets before its end blocks.
     #[inline(always)]
     pub fn shadow_ray(&self, surface: &Surface) -> Ray {
@@ -161,6 +180,7 @@ impl LightSample {
             from: surface.prim,
             to: self.to,
             mask: ray_mask::SHADOW,
+            time: self.time,
         }
     }
 }
@@ -174,6 +194,8 @@ pub struct HitOnLight {
     pub ng: Vec3,
     /// Its distance from the shading point.
     pub distance: f32,
+    /// When it was hit: the time of the path.
+    pub time: f32,
 }
 
 /// A direction towards one light, as the light itself sees it: without index and probability of the choice.

@@ -26,6 +26,7 @@ pub(crate) fn of(light: &Light, reach: f64) -> f64 {
         }
         Light::Directional(l) => (l.color, PI * disc), // E = π·colour at normal incidence
         Light::Environment(l) => return told_apart(l.mean_luminance(), 4.0 * PI * disc),
+        Light::Moving(l) => return l.keys().iter().map(|key| of(key, reach)).fold(0.0, f64::max),
         Light::Sphere(l) => (l.radiance, sides(l.two_sided) * PI * 4.0 * PI * l.radius * l.radius),
         Light::SphereCap(l) => (l.sphere.radiance, sides(l.sphere.two_sided) * PI * l.area()),
         Light::Triangle(l) => (

@@ -126,8 +126,8 @@ impl LightSet {
     /// positive side receives light, or zero; with `two_sided` both sides do. `u_pick` and `u` are in [0, 1).
     ///
     /// The estimate is f·cos·radiance/pdf, and 0 for `None`: where the chosen group or point turns out not to
-    /// contribute, no other is tried, since that would change the densities.
-    pub fn sample(&self, p: Vec3, n: Vec3, two_sided: bool, u_pick: f32, u: Vec2) -> Option<LightSample> {
+    /// contribute, no other is tried, since that would change the densities. `time` is that of the path, in [0, 1).
+    pub fn sample(&self, p: Vec3, n: Vec3, two_sided: bool, u_pick: f32, u: Vec2, time: f32) -> Option<LightSample> {
         let at = Receiver { p, n, two_sided };
         // The number that picks among many lights borrows its low bits from those that pick the point.
         let (light, probability) = match self.choice {
@@ -135,7 +135,7 @@ impl LightSet {
             Some(_) => self.choose(&at, extend(u_pick, u.x.to_bits() ^ u.y.to_bits().rotate_left(16)))?,
         };
         let l = self.lights.get(light as usize)?;
-        let mut aim = self.aim(l, &at, u)?;
+        let mut aim = aim(l, &at, u, time)?;
         if self.hiding.get(light as usize) == Some(&true) {
             aim.t_max = coincident::shadow_end(l, &at, &aim);
         }
@@ -162,6 +162,7 @@ impl LightSet {
             textured: aim.textured,
             light,
             casts_shadow: aim.casts_shadow,
+            time,
         })
     }
 
@@ -174,33 +175,14 @@ impl LightSet {
         }
     }
 
-    fn aim(&self, light: &Light, at: &Receiver, u: Vec2) -> Option<Aim> {
-        match light {
-            Light::Point(l) => l.sample(at),
-            Light::Spot(l) => l.sample(at),
-            Light::Directional(l) => Some(l.sample()),
-            Light::Area(l) => l.sample(at, u),
-            Light::Sphere(l) => l.sample(at, u),
-            Light::SphereCap(l) => l.sample(at, u),
-            Light::Triangle(l) => l.sample(at, u),
-            Light::Parallelogram(l) => l.sample(at, u),
-            Light::Disc(l) => l.sample(at, u),
-            Light::Environment(l) => l.sample(at, u),
-        }
-    }
-
     /// The density per solid angle, probability of the choice included, with which `sample` at the same `p`, `n`,
     /// `two_sided` gives the direction `wi` that was found to hit `light` at `hit`. 0 for delta lights.
     pub fn pdf(&self, light: u32, p: Vec3, n: Vec3, two_sided: bool, wi: Vec3, hit: &HitOnLight) -> f32 {
         let at = Receiver { p, n, two_sided };
         let pdf = match self.lights.get(light as usize) {
-            Some(Light::Sphere(l)) => l.pdf(&at, wi),
-            Some(Light::SphereCap(l)) => l.pdf(wi, hit),
-            Some(Light::Triangle(l)) => l.pdf(&at, wi, hit),
-            Some(Light::Parallelogram(l)) => l.pdf(&at, wi, hit),
-            Some(Light::Disc(l)) => l.pdf(wi, hit),
-            Some(Light::Environment(l)) => l.pdf(&at, wi),
-            Some(Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_)) | None => return 0.0,
+            Some(Light::Moving(l)) => density(&l.at(hit.time), &at, wi, hit),
+            Some(l) => density(l, &at, wi, hit),
+            None => return 0.0,
         };
         if pdf == 0.0 {
             return 0.0;
@@ -238,6 +220,38 @@ impl LightSet {
             None => 0.0,
             Some(choice) => choice.probability(at, light),
         }
+    }
+}
+
+/// A direction towards a light at a time.
+#[inline(always)]
+pub(super) fn aim(light: &Light, at: &Receiver, u: Vec2, time: f32) -> Option<Aim> {
+    match light {
+        Light::Point(l) => l.sample(at),
+        Light::Spot(l) => l.sample(at),
+        Light::Directional(l) => Some(l.sample()),
+        Light::Area(l) => l.sample(at, u),
+        Light::Sphere(l) => l.sample(at, u),
+        Light::SphereCap(l) => l.sample(at, u),
+        Light::Triangle(l) => l.sample(at, u),
+        Light::Parallelogram(l) => l.sample(at, u),
+        Light::Disc(l) => l.sample(at, u),
+        Light::Environment(l) => l.sample(at, u),
+        Light::Moving(l) => l.sample(at, u, time),
+    }
+}
+
+/// The density with which a light gives the direction `wi`, the choice of the light aside; 0 for what no ray can hit.
+#[inline(always)]
+fn density(light: &Light, at: &Receiver, wi: Vec3, hit: &HitOnLight) -> f32 {
+    match light {
+        Light::Sphere(l) => l.pdf(at, wi),
+        Light::SphereCap(l) => l.pdf(wi, hit),
+        Light::Triangle(l) => l.pdf(at, wi, hit),
+        Light::Parallelogram(l) => l.pdf(at, wi, hit),
+        Light::Disc(l) => l.pdf(wi, hit),
+        Light::Environment(l) => l.pdf(at, wi),
+        Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) | Light::Moving(_) => 0.0,
     }
 }
 

@@ -169,7 +169,7 @@ impl Material {
 
 impl FinishInputs {
     /// POV-Ray's surface at a point, energy to be limited by [`Finish`] itself.
-    pub(super) fn lobes(&self, fresnel: FresnelModel, cx: &Shading<'_>) -> Finish {
+    pub(super) fn lobes(&self, fresnel: FresnelModel, eta: f32, cx: &Shading<'_>) -> Finish {
         let color = self.color.eval(cx.textures, cx.attrs).max(Vec3::ZERO);
         let opacity = (1.0 - self.filter - self.transmit).clamp(0.0, 1.0);
         // Phong's exponent counts the angle to the mirror direction, about twice that to the half vector.
@@ -199,7 +199,7 @@ impl FinishInputs {
                 self.reflection_falloff
             },
             passes: (color * self.filter + Vec3::splat(self.transmit)).max(Vec3::ZERO),
-            eta: self.ior.map_or(1.0, |ior| ior / cx.outer_ior),
+            eta: if self.ior.is_some() { eta } else { 1.0 },
             fresnel,
             conserve: self.conserve_energy,
         }

@@ -21,7 +21,7 @@ impl World {
             textures: &self.textures,
             attrs: &self.attrs,
             outer_ior: 1.0,
-            channel: None,
+            wavelength: None,
         }
     }
 }
@@ -232,9 +232,13 @@ fn any_roughness_makes_a_finite_model() {
 fn dispersion_follows_the_abbe_number() {
     let mut m = glass(0.0);
     (m.ior, m.dispersion) = (1.5168, 20.0 / 55.0);
-    let spread = m.ior_at(Some(2)) - m.ior_at(Some(0));
+    let at = |nm: f32| {
+        let weight = Vec3::ONE;
+        m.ior_at(Some(Wavelength { nm, weight }))
+    };
+    let spread = at(486.13) - at(656.27);
     assert!((spread - 0.5168 / 55.0).abs() < 1e-6, "{spread}");
-    assert_eq!(m.ior_at(Some(1)), m.ior_at(None));
+    assert!((at(587.56) - m.ior_at(None)).abs() < 1e-6);
 }
 
 #[test]

@@ -147,7 +147,7 @@ fn materials_and_lights_come_by_slot_and_by_triangle() {
         let hit = geometry.closest(&ray).expect("aimed at it");
         let s = geometry.surface(&ray, &hit);
         assert_eq!((s.material, s.light), (material, light));
-        let a = geometry.attributes(&hit, &s);
+        let a = geometry.attributes(&hit, &s, 0.0);
         assert!((a.uv[0] - Vec2::new(x / 2.0, y / 3.0)).length() < 1e-6 && a.uv[3] == a.uv[0]);
         // u grows along x over 2 units, v along y over 3; the bitangent looks against v.
         assert!((a.tangent - Vec3::X * 2.0).length() < 1e-5 && (a.bitangent + Vec3::Y * 3.0).length() < 1e-5);

@@ -6,6 +6,7 @@ mod exact;
 mod extremes;
 mod invariance;
 mod mesh_properties;
+mod motion;
 mod patterns;
 mod placing;
 mod planes;

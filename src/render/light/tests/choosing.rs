@@ -135,7 +135,7 @@ fn no_contributing_light_is_starved() {
         for at in receivers(60, 15) {
             for (i, alone) in (0u32..).zip(&single) {
                 for _ in 0..4 {
-                    let Some(s) = alone.sample(at.p, at.n, at.two_sided, 0.5, rng.next_vec2()) else {
+                    let Some(s) = alone.sample(at.p, at.n, at.two_sided, 0.5, rng.next_vec2(), 0.0) else {
                         continue;
                     };
                     if at.cosine(s.wi) > 0.0 {
@@ -198,12 +198,12 @@ fn the_tree_prefers_what_matters() {
                 let (pick, u) = (rng.next_f32(), rng.next_vec2());
                 let v = if even {
                     let i = (pick * lights.len() as f32) as usize;
-                    let s = single[i].sample(at.p, at.n, at.two_sided, 0.5, u);
+                    let s = single[i].sample(at.p, at.n, at.two_sided, 0.5, u, 0.0);
                     s.map_or(0.0, |s| {
                         f64::from(at.cosine(s.wi).max(0.0) * s.radiance.x / s.pdf) * lights.len() as f64
                     })
                 } else {
-                    let s = set.sample(at.p, at.n, at.two_sided, pick, u);
+                    let s = set.sample(at.p, at.n, at.two_sided, pick, u, 0.0);
                     s.map_or(0.0, |s| f64::from(at.cosine(s.wi).max(0.0) * s.radiance.x / s.pdf))
                 };
                 sum += v;
@@ -242,7 +242,7 @@ fn coincident_lights_and_extreme_strengths_are_sound() {
     assert!((0..3).all(|i| set.probability(i, &at) > 1e-7));
     assert!(
         LightSet::new(Vec::new())
-            .sample(at.p, at.n, false, 0.5, Vec2::ZERO)
+            .sample(at.p, at.n, false, 0.5, Vec2::ZERO, 0.0)
             .is_none()
     );
 }

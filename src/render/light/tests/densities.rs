@@ -15,7 +15,7 @@ fn compare(set: &LightSet, at: &Receiver, fine: usize) -> (f64, f64) {
     let mut samples = Vec::new();
     for _ in 0..SAMPLES {
         let (pick, u) = (rng.next_f32(), rng.next_vec2());
-        if let Some(s) = set.sample(at.p, at.n, at.two_sided, pick, u) {
+        if let Some(s) = set.sample(at.p, at.n, at.two_sided, pick, u, 0.0) {
             let stated = set_pdf_of(set, at, &s);
             // At the rim of a cap the rounding of the point counts 1/cos times.
             let tolerance = match set.get(s.light) {
@@ -81,6 +81,7 @@ fn set_pdf_of(set: &LightSet, at: &Receiver, s: &LightSample) -> f64 {
                     _ => -s.wi,
                 },
                 distance: s.distance,
+                time: 0.0,
             };
             set.pdf(s.light, at.p, at.n, at.two_sided, s.wi, &hit)
         }
@@ -165,7 +166,7 @@ fn spheres_have_the_density_they_state_from_far_near_and_inside() {
     check("inside, with a normal", vec![both], below());
     // From inside, a sphere that shines only outwards is never sampled, and says so.
     let set = LightSet::new(vec![Light::Sphere(outside)]);
-    assert_eq!(set.sample(below().p, Vec3::Z, false, 0.5, Vec2::splat(0.3)), None);
+    assert_eq!(set.sample(below().p, Vec3::Z, false, 0.5, Vec2::splat(0.3), 0.0), None);
 }
 
 #[test]
@@ -189,6 +190,7 @@ fn caps_have_the_density_they_state() {
         p: Vec3::Z * 2.0,
         ng: -Vec3::Z,
         distance: 2.0,
+        time: 0.0,
     };
     assert_eq!(set.pdf(0, Vec3::ZERO, Vec3::Z, false, Vec3::Z, &hit), 0.0);
 }
@@ -238,7 +240,7 @@ fn densities_of_sample_and_pdf_agree_at_extreme_sizes() {
             let (a, b) = (corner + point() * size, corner + point() * size);
             let set = LightSet::new(vec![triangle(corner, a, b, true)]);
             let at = receiver(p, Vec3::ZERO);
-            if let Some(s) = set.sample(at.p, at.n, false, 0.5, Vec2::new(0.3, 0.6)) {
+            if let Some(s) = set.sample(at.p, at.n, false, 0.5, Vec2::new(0.3, 0.6), 0.0) {
                 let stated = set_pdf_of(&set, &at, &s);
                 let plane = (a - corner).as_dvec3().cross((b - corner).as_dvec3()).normalize();
                 let cos = plane.dot(s.wi.as_dvec3()).abs(); // the rounding of wi counts 1/cos times

@@ -150,7 +150,7 @@ fn receivers_on_and_beside_flat_lights_are_sound() {
                             0..16 => Vec2::new(ends[i % 4], ends[i / 4]),
                             _ => rng.next_vec2(),
                         };
-                        let Some(s) = set.sample(p, n, false, 0.5, u) else {
+                        let Some(s) = set.sample(p, n, false, 0.5, u, 0.0) else {
                             continue;
                         };
                         let what = format!("{light:?} from {p}, {u}: {s:?}");

@@ -127,7 +127,7 @@ fn samples_say_where_on_the_polygon_they_lie() {
             let set = LightSet::new(vec![light]);
             for i in 0..400 {
                 let u = Vec2::new((i % 20) as f32 + 0.5, (i / 20) as f32 + 0.5) / 20.0;
-                let Some(s) = set.sample(Vec3::ZERO, Vec3::Z, false, 0.5, u) else {
+                let Some(s) = set.sample(Vec3::ZERO, Vec3::Z, false, 0.5, u, 0.0) else {
                     panic!("nothing seen from {height} below at {u}");
                 };
                 let off = (p0 + e1 * s.b.x + e2 * s.b.y - s.wi * s.distance).length();
@@ -150,25 +150,25 @@ fn dark_sides_and_points_on_the_light_give_no_sample() {
     let set = LightSet::new(vec![quad]);
     let u = Vec2::splat(0.5);
     assert!(
-        set.sample(Vec3::new(0.5, 0.5, 1.0), Vec3::ZERO, false, 0.0, u)
+        set.sample(Vec3::new(0.5, 0.5, 1.0), Vec3::ZERO, false, 0.0, u, 0.0)
             .is_some()
     );
     assert!(
-        set.sample(Vec3::new(0.5, 0.5, -1.0), Vec3::ZERO, false, 0.0, u)
+        set.sample(Vec3::new(0.5, 0.5, -1.0), Vec3::ZERO, false, 0.0, u, 0.0)
             .is_none()
     );
     assert!(
-        set.sample(Vec3::new(0.5, 0.5, 0.0), Vec3::ZERO, false, 0.0, u)
+        set.sample(Vec3::new(0.5, 0.5, 0.0), Vec3::ZERO, false, 0.0, u, 0.0)
             .is_none()
     );
     assert!(
-        set.sample(Vec3::new(9.0, 0.5, 0.0), Vec3::ZERO, false, 0.0, u)
+        set.sample(Vec3::new(9.0, 0.5, 0.0), Vec3::ZERO, false, 0.0, u, 0.0)
             .is_none()
     );
     let flat = triangle(Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z + Vec3::X * 2.0, true);
     assert!(
         LightSet::new(vec![flat])
-            .sample(Vec3::ZERO, Vec3::Z, false, 0.0, u)
+            .sample(Vec3::ZERO, Vec3::Z, false, 0.0, u, 0.0)
             .is_none()
     );
 }

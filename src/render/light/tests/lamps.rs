@@ -6,7 +6,7 @@ use std::f64::consts::PI as PI64;
 
 fn at_distance(falloff: Falloff, r: f64) -> f64 {
     let set = LightSet::new(vec![point(DVec3::Z * r, Vec3::ONE, falloff)]);
-    set.sample(Vec3::ZERO, Vec3::Z, false, 0.5, Vec2::ZERO)
+    set.sample(Vec3::ZERO, Vec3::Z, false, 0.5, Vec2::ZERO, 0.0)
         .map_or(0.0, |s| f64::from(s.radiance.x) / f64::from(s.pdf))
 }
 
@@ -79,9 +79,9 @@ fn a_spot_shines_along_its_axis_only() {
         casts_shadows: false,
     };
     let set = LightSet::new(vec![Light::Spot(Box::new(spot))]);
-    let lit = set.sample(Vec3::ZERO, Vec3::Z, false, 0.5, Vec2::ZERO);
+    let lit = set.sample(Vec3::ZERO, Vec3::Z, false, 0.5, Vec2::ZERO, 0.0);
     assert!(lit.is_some_and(|s| s.delta && !s.casts_shadow && s.radiance.x == 0.25 && s.wi == Vec3::Z));
-    assert_eq!(set.sample(Vec3::X, Vec3::Z, false, 0.5, Vec2::ZERO), None);
+    assert_eq!(set.sample(Vec3::X, Vec3::Z, false, 0.5, Vec2::ZERO, 0.0), None);
 }
 
 #[test]
@@ -92,7 +92,9 @@ fn the_sun_shines_from_where_it_comes() {
         casts_shadows: true,
     };
     let set = LightSet::new(vec![Light::Directional(sun)]);
-    let s = set.sample(Vec3::ONE, Vec3::Z, false, 0.5, Vec2::ZERO).expect("lit");
+    let s = set
+        .sample(Vec3::ONE, Vec3::Z, false, 0.5, Vec2::ZERO, 0.0)
+        .expect("lit");
     assert_eq!((s.wi, s.pdf, s.t_max), (Vec3::Z, 1.0, f32::INFINITY));
     assert!((s.radiance - Vec3::new(1.0, 2.0, 3.0) * std::f32::consts::PI).length() < 1e-6);
 }
@@ -116,7 +118,7 @@ fn area_lamps_are_spread_evenly() {
         let (n, mut sum, mut squares) = (100_000, DVec3::ZERO, DVec3::ZERO);
         for _ in 0..n {
             let s = set
-                .sample(Vec3::ZERO, Vec3::Z, false, 0.5, rng.next_vec2())
+                .sample(Vec3::ZERO, Vec3::Z, false, 0.5, rng.next_vec2(), 0.0)
                 .expect("lit");
             assert!(s.delta && s.pdf == 1.0 && (s.radiance.x - std::f32::consts::PI).abs() < 1e-6);
             let q = s.wi.as_dvec3() * f64::from(s.distance) - lamp.position;

@@ -65,6 +65,7 @@ fn oracle_hit(light: &Light, p: DVec3, w: DVec3) -> OracleHit {
             (n.dot(l.axis) >= 1.0 - l.one_minus_cos).then_some((t, n))
         }
         Light::Environment(_) => Some((f64::INFINITY, -w)),
+        Light::Moving(l) => oracle_hit(l.opening(), p, w),
         Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) => None,
     }
 }
@@ -82,6 +83,7 @@ fn stated_pdf(set: &LightSet, at: &Receiver, w: DVec3) -> f64 {
                 p: (at.p.as_dvec3() + w * t).as_vec3(),
                 ng: n.as_vec3(),
                 distance: t as f32,
+                time: 0.0,
             };
             sum += f64::from(set.pdf(i, at.p, at.n, at.two_sided, wi, &hit));
         }
@@ -172,7 +174,7 @@ fn irradiance(light: &Light, p: Vec3, n: Vec3, k: u32) -> f64 {
     let mut sum = 0.0;
     for i in 0..k * k {
         let u = Vec2::new((i % k) as f32 + 0.5, (i / k) as f32 + 0.5) / k as f32;
-        if let Some(s) = set.sample(p, n, false, 0.5, u) {
+        if let Some(s) = set.sample(p, n, false, 0.5, u, 0.0) {
             let cos = s.wi.as_dvec3().dot(n.as_dvec3()).max(0.0);
             sum += cos * f64::from(s.radiance.x) / f64::from(s.pdf);
         }

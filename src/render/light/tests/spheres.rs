@@ -42,7 +42,7 @@ fn tiny_far_spheres_keep_their_light() {
         let set = LightSet::new(vec![light.clone()]);
         let n = (center / d).as_vec3();
         let s = set
-            .sample(Vec3::ZERO, n, false, 0.5, Vec2::new(0.7, 0.2))
+            .sample(Vec3::ZERO, n, false, 0.5, Vec2::new(0.7, 0.2), 0.0)
             .expect("visible");
         let exact = 1.0 / (std::f64::consts::TAU * one_minus_cos(ratio));
         assert!(
@@ -66,7 +66,7 @@ fn directions_fill_cones_evenly() {
         let mut rng = Pcg::new(21);
         let (n, mut sum, mut squares) = (100_000, 0.0, 0.0);
         let sine = |u: Vec2| {
-            let s = set.sample(Vec3::ZERO, Vec3::ZERO, false, 0.5, u).expect("visible");
+            let s = set.sample(Vec3::ZERO, Vec3::ZERO, false, 0.5, u, 0.0).expect("visible");
             let (x, y) = (f64::from(s.wi.x), f64::from(s.wi.y));
             let sine = x.hypot(y) / ratio;
             assert!(sine <= 1.0 + 4.0 * U, "R/d = {ratio}, {u}: {sine}");
@@ -110,7 +110,7 @@ fn directions_stay_in_cones_about_any_axis() {
             let set = LightSet::new(vec![sphere(axis * 1e3, 1e3 * ratio)]);
             for _ in 0..50 {
                 let s = set
-                    .sample(Vec3::ZERO, Vec3::ZERO, false, 0.5, rng.next_vec2())
+                    .sample(Vec3::ZERO, Vec3::ZERO, false, 0.5, rng.next_vec2(), 0.0)
                     .expect("visible");
                 let sine = s.wi.as_dvec3().cross(axis).length();
                 // The axis, the frame, the sum of three vectors.
@@ -152,7 +152,7 @@ fn sampled_points_lie_on_the_sphere() {
         let set = LightSet::new(vec![light.clone()]);
         for _ in 0..1000 {
             let s = set
-                .sample(Vec3::ZERO, Vec3::ZERO, false, 0.5, rng.next_vec2())
+                .sample(Vec3::ZERO, Vec3::ZERO, false, 0.5, rng.next_vec2(), 0.0)
                 .expect("visible");
             let q = s.wi.as_dvec3() * f64::from(s.distance);
             let off = ((q - l.center).length() - radius).abs();
@@ -183,7 +183,7 @@ fn points_on_and_in_the_sphere_are_sound() {
         for x in [0.0f32, 0.5, 1.0 - UNIT_ROUNDOFF, 1.0, 1.0 + 2.0 * UNIT_ROUNDOFF, 1.001] {
             let p = Vec3::X * x;
             for u in [Vec2::ZERO, Vec2::splat(0.5), Vec2::new(0.999_999_9, 0.0)] {
-                let Some(s) = set.sample(p, Vec3::ZERO, false, 0.5, u) else {
+                let Some(s) = set.sample(p, Vec3::ZERO, false, 0.5, u, 0.0) else {
                     assert!(!two_sided && x < 1.0, "no sample at {x}");
                     continue;
                 };
@@ -192,6 +192,7 @@ fn points_on_and_in_the_sphere_are_sound() {
                     p: p + s.wi * s.distance,
                     ng: s.wi,
                     distance: s.distance,
+                    time: 0.0,
                 };
                 assert_eq!(s.pdf, set.pdf(0, p, Vec3::ZERO, false, s.wi, &hit), "at {x}");
             }

@@ -40,7 +40,7 @@ pub(super) fn estimate(lights: &[Light], combine: bool, seed: u64) -> Mean {
     };
     for _ in 0..200_000 {
         let mut value = 0.0;
-        if let Some(s) = set.sample(p, n, false, rng.next_f32(), rng.next_vec2()) {
+        if let Some(s) = set.sample(p, n, false, rng.next_f32(), rng.next_vec2(), 0.0) {
             let cos = s.wi.z.max(0.0);
             let weight = if combine && !s.delta {
                 mis_weight(s.pdf, cos * INV_PI)
@@ -63,6 +63,7 @@ pub(super) fn estimate(lights: &[Light], combine: bool, seed: u64) -> Mean {
                         p: p + wi * t as f32,
                         ng: ng.as_vec3(),
                         distance: t as f32,
+                        time: 0.0,
                     };
                     let weight = mis_weight(by_chance, set.pdf(i, p, n, false, wi, &hit));
                     value += weight * std::f32::consts::PI; // radiance 1, cos/pdf = π

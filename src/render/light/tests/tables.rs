@@ -86,7 +86,7 @@ fn a_million_emitters_state_the_probability_they_have() {
         let (draws, bins) = (400_000, 1000);
         let mut found = vec![0.0; bins];
         for _ in 0..draws {
-            let s = set.sample(at.p, at.n, false, rng.next_f32(), rng.next_vec2());
+            let s = set.sample(at.p, at.n, false, rng.next_f32(), rng.next_vec2(), 0.0);
             // A triangle seen edge-on gives no direction; the choice was made all the same.
             if let Some(s) = s {
                 found[s.light as usize * bins / COUNT as usize] += 1.0;
