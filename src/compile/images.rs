@@ -78,10 +78,7 @@ impl<'a> Images<'a> {
         let mut picture = self.decode(id)?;
         let bad = zero_where(picture.texels.floats_mut(), |v| !v.is_finite());
         let uniform = picture.texels.uniform();
-        let is_8_bit = matches!(
-            picture.texels,
-            Texels::Gray8(_) | Texels::Rgb8(_) | Texels::Rgba8(_)
-        );
+        let is_8_bit = matches!(picture.texels, Texels::Gray8(_) | Texels::Rgb8(_) | Texels::Rgba8(_));
         let image = ImageData::new(picture.width, picture.height, picture.texels).map(|data| {
             let known = |srgb: bool| {
                 let first = data.texel(0, 0, srgb).to_array();
@@ -151,7 +148,12 @@ impl<'a> Images<'a> {
     /// [`Images::radiance`] tells.
     pub fn is_black(&mut self, id: ImageId) -> Option<bool> {
         let picture = self.sky_picture(id).ok()?;
-        let is_dark = |i| picture.texels.rgba(i).is_some_and(|[r, g, b, _]| ![r, g, b].iter().any(|v| *v > 0.0));
+        let is_dark = |i| {
+            picture
+                .texels
+                .rgba(i)
+                .is_some_and(|[r, g, b, _]| ![r, g, b].iter().any(|v| *v > 0.0))
+        };
         let black = (0..picture.texels.len()).all(is_dark);
         self.sky = Some((id, picture));
         Some(black)

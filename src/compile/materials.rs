@@ -1,6 +1,7 @@
 //! Materials and textures that are used become the engine's recipes.
 
 use super::images::Images;
+use super::prune::{folded, is_at_least, is_nothing};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::render::material as engine;
 use crate::render::medium::CLEAR;
@@ -91,11 +92,13 @@ impl<'a, 'i> Materials<'a, 'i> {
         out.normal_map = material.normal_map.as_ref().and_then(|n| self.normal_map(n, diags));
         out.medium = self.media.add(&material.interior);
         out.bump_map = material.bump_map.as_ref().and_then(|b| self.bump_map(b, diags));
-        (out.ior, out.dispersion, out.interior) = solid(&material);
-        if let engine::SurfaceModel::Mix { a, b, weight } = &out.surface {
-            // What is glass in part is a solid as a whole.
-            let sole = weight.texture.is_none().then_some(weight.factor);
-            let parts = [(a, sole.is_some_and(|w| w >= 1.0)), (b, sole.is_some_and(|w| w <= 0.0))];
+        let folded = folded(self.scene, self.images, &material);
+        (out.ior, out.dispersion, out.interior) = solid(&folded);
+        if let (engine::SurfaceModel::Mix { a, b, .. }, SurfaceModel::Mix { weight, .. }) =
+            (&out.surface, &folded.surface)
+        {
+            // What is glass in part is a solid as a whole; a part without share is none.
+            let parts = [(a, is_at_least(weight, 1.0)), (b, is_nothing(weight))];
             let parts = parts.into_iter().filter(|(_, is_absent)| !is_absent);
             let mut parts = parts.map(|(id, _)| &self.materials[*id as usize]);
             if let Some(part) = parts.find(|m| m.interior) {
@@ -231,7 +234,8 @@ impl<'a, 'i> Materials<'a, 'i> {
             self.images.decode_all(&[t.image], diags);
             if self.images.is_flat(t.image) {
                 // 8 bits have no number for a normal that is not leant; now it is one half.
-                self.nodes.push(tex::Texture::Constant(Vec3::new(0.5, 0.5, 1.0).extend(1.0)));
+                self.nodes
+                    .push(tex::Texture::Constant(Vec3::new(0.5, 0.5, 1.0).extend(1.0)));
                 let texture = self.nodes.len() as u32 - 1;
                 return Some(engine::NormalMap { texture, scale });
             }

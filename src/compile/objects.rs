@@ -7,6 +7,7 @@ use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::math::robust::try_normalize_f64;
 use crate::render::geometry::{GeomObject, LightMap, MeshData};
 use crate::render::light::{DiscLight, Light, ParallelogramLight, SphereLight, TriangleLight};
+use crate::render::material::{Alpha, Material};
 use crate::render::motion::Motion;
 use crate::render::ray::{PrimRef, ray_mask};
 use crate::render::shape::{Shape as Engine, Solid};
@@ -195,7 +196,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
                     flipped,
                     radiance: self.materials.mean_emission(material),
                     two_sided: m.emits_back,
-                    textured: m.emission.texture.is_some(),
+                    textured: varies(m),
                     prim,
                 }));
             }
@@ -217,7 +218,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
     fn shape_lights(&mut self, shape: &Engine, material: u32) -> LightMap {
         let object = self.objects.len() as u32;
         let m = &self.materials.materials[material as usize];
-        let (two_sided, textured) = (m.emits_back, m.emission.texture.is_some());
+        let (two_sided, textured) = (m.emits_back, varies(m));
         let radiance = self.materials.mean_emission(material);
         let first = self.lights.len() as u32;
         match shape {
@@ -280,6 +281,11 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         }
         LightMap::First(first)
     }
+}
+
+/// Whether what a light gives must be looked up where it is sampled: its texture, or how much of it is there.
+fn varies(m: &Material) -> bool {
+    m.emission.texture.is_some() || m.alpha != Alpha::Opaque
 }
 
 fn bits(v: Visibility) -> u8 {

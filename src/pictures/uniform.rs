@@ -52,9 +52,15 @@ mod tests {
     fn each_channel_is_judged_by_itself() {
         let opaque = Texels::Rgba8(vec![[1, 2, 3, 255], [1, 9, 3, 255], [1, 2, 3, 255]]);
         assert_eq!(opaque.uniform(), [true, false, true, true]);
-        assert_eq!(Texels::Rgb16(vec![[1, 2, 3], [0, 2, 4]]).uniform(), [false, true, false, true]);
+        assert_eq!(
+            Texels::Rgb16(vec![[1, 2, 3], [0, 2, 4]]).uniform(),
+            [false, true, false, true]
+        );
         assert_eq!(Texels::Gray8(vec![7, 7]).uniform(), [true; 4]);
         assert_eq!(Texels::GrayF32(vec![7.0, 7.5]).uniform(), [false, false, false, true]);
-        assert_eq!(Texels::RgbF32(vec![[f32::NAN, 0.0, -0.0]]).uniform(), [false, true, true, true]);
+        assert_eq!(
+            Texels::RgbF32(vec![[f32::NAN, 0.0, -0.0]]).uniform(),
+            [false, true, true, true]
+        );
     }
 }

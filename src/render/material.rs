@@ -430,7 +430,7 @@ impl Material {
             };
         }
         match &self.surface {
-            SurfaceModel::Principled(p) if p.anisotropy.factor > 0.0 => {
+            SurfaceModel::Principled(p) if p.anisotropy.factor > 0.0 && p.anisotropy.unit(cx) > 0.0 => {
                 let frame = Frame::from_normal_and_tangent(n, cx.attrs.tangent);
                 let turns = p.anisotropy_rotation / std::f32::consts::TAU;
                 let (s, c) = sin_cos_turns(turns - turns.floor());

@@ -33,7 +33,10 @@ impl Found {
             }
             if let Some(more @ 1..) = of_kind.len().checked_sub(TOLD) {
                 let rest = total(of_kind[TOLD..].iter().copied());
-                rows.push(row("", &format!("and {} more{}", grouped(more as u64), bracketed(&rest))));
+                rows.push(row(
+                    "",
+                    &format!("and {} more{}", grouped(more as u64), bracketed(&rest)),
+                ));
             }
         }
         let saved = words(&total(removals.iter()));

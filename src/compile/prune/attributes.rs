@@ -17,7 +17,14 @@ pub fn pass(pruned: &mut Pruned<'_>) {
         };
         let name = format!("of {meshes}");
         let saved = Saved::of_bytes(bytes);
-        pruned.tell(Pass::Attributes, "vertex data", &name, "no material reads them", &Place::None, saved);
+        pruned.tell(
+            Pass::Attributes,
+            "vertex data",
+            &name,
+            "no material reads them",
+            &Place::None,
+            saved,
+        );
     }
 }
 
@@ -35,7 +42,9 @@ fn unread(scene: &Scene) -> impl Iterator<Item = u64> + '_ {
         }
     });
     let idle = read.into_iter().filter_map(|(id, read)| (!read).then_some(id));
-    idle.filter_map(|id| scene.meshes.get(id.index())).map(bytes).filter(|b| *b > 0)
+    idle.filter_map(|id| scene.meshes.get(id.index()))
+        .map(bytes)
+        .filter(|b| *b > 0)
 }
 
 fn bytes(mesh: &Mesh) -> u64 {

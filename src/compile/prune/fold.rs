@@ -105,6 +105,20 @@ pub fn pass(pruned: &mut Pruned<'_>) {
     pruned.each_material(Pass::Textures, fold);
 }
 
+/// A material whose inputs are numbers where they can be, whatever vertex colours there are. What is a solid and what
+/// not is judged by it, also where nothing is pruned.
+pub fn folded(scene: &Scene, images: &Images<'_>, material: &Material) -> Material {
+    let facts = Facts {
+        scene,
+        images,
+        colored: BTreeSet::new(),
+        is_colored: true,
+    };
+    let mut material = material.clone();
+    fold(&facts, &mut material, &mut Notes::default());
+    material
+}
+
 fn fold(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
     let mut folder = Folder { facts, notes };
     folder.color(&mut material.emission);

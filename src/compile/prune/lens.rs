@@ -9,6 +9,9 @@ pub fn pass(pruned: &mut Pruned<'_>) {
     let is_idle = |c: &Camera| c.lens_radius == 0.0 && c.focus_distance != default;
     if pruned.scene.cameras.iter().any(is_idle) {
         let cameras = &mut pruned.scene.to_mut().cameras;
-        cameras.iter_mut().filter(|c| is_idle(c)).for_each(|c| c.focus_distance = default);
+        cameras
+            .iter_mut()
+            .filter(|c| is_idle(c))
+            .for_each(|c| c.focus_distance = default);
     }
 }

@@ -7,7 +7,12 @@ use crate::scene::{Light, LightKind, SpotProfile};
 
 /// Takes out lamps whose colour is nowhere above 0, and those that shine into a cone without opening.
 pub fn pass(pruned: &mut Pruned<'_>) {
-    let dark: Vec<(Light, &str)> = pruned.scene.lights.iter().filter_map(|l| Some((l.clone(), darkness(l)?))).collect();
+    let dark: Vec<(Light, &str)> = pruned
+        .scene
+        .lights
+        .iter()
+        .filter_map(|l| Some((l.clone(), darkness(l)?)))
+        .collect();
     if dark.is_empty() {
         return;
     }

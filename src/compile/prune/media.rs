@@ -3,8 +3,8 @@
 //! Kept to the bit: an index of 1 is the same for all colours, and what is never entered is never asked.
 
 use super::fold::Facts;
+use super::surfaces::is_solid;
 use super::{Notes, Pass, Pruned, Saved};
-use crate::compile::materials::solid;
 use crate::scene::{Fog, Material, Medium, SurfaceModel};
 
 /// Takes out media that do nothing.
@@ -26,22 +26,11 @@ fn simplify(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
     if disperses {
         notes.told.push(format!("it disperses nothing with an index of {ior}"));
     }
-    if !material.interior.is_clear() && !is_entered(facts, material, 0) {
+    if !material.interior.is_clear() && !is_solid(facts.scene, material) {
         notes.told.push("its inside is never entered by light".to_owned());
     }
-    if material.interior != Medium::default() && (material.interior.is_clear() || !is_entered(facts, material, 0)) {
+    if material.interior != Medium::default() && (material.interior.is_clear() || !is_solid(facts.scene, material)) {
         material.interior = Medium::default();
-    }
-}
-
-/// Whether light crosses the surface into a solid.
-fn is_entered(facts: &Facts<'_>, material: &Material, depth: u32) -> bool {
-    match &material.surface {
-        SurfaceModel::Mix { a, b, .. } => {
-            let part = |m: &Material| depth > 64 || is_entered(facts, m, depth + 1);
-            [a, b].into_iter().any(|id| facts.scene.materials.get(id.index()).is_some_and(part))
-        }
-        _ => solid(material).2,
     }
 }
 
@@ -53,6 +42,13 @@ fn fogs(pruned: &mut Pruned<'_>) {
     }
     pruned.scene.to_mut().fogs.retain(|f| !is_thin(f));
     for fog in thin {
-        pruned.tell(Pass::Media, "fog", "", "it has no density", &fog.place, Saved::default());
+        pruned.tell(
+            Pass::Media,
+            "fog",
+            "",
+            "it has no density",
+            &fog.place,
+            Saved::default(),
+        );
     }
 }

@@ -30,6 +30,7 @@ use crate::diag::Diagnostics;
 use crate::files::Files;
 use crate::scene::{ImageId, Material, Place, Scene};
 use fold::Facts;
+pub(super) use fold::{folded, is_at_least, is_nothing};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -197,7 +198,15 @@ impl<'s> Pruned<'s> {
         self.what.iter().all(|removal| removal.pass.keeps_bits())
     }
 
-    fn tell(&mut self, pass: Pass, kind: &'static str, name: &str, why: impl Into<String>, place: &Place, saved: Saved) {
+    fn tell(
+        &mut self,
+        pass: Pass,
+        kind: &'static str,
+        name: &str,
+        why: impl Into<String>,
+        place: &Place,
+        saved: Saved,
+    ) {
         self.what.push(Removal::new(pass, kind, name, why, place, saved));
     }
 
@@ -224,7 +233,9 @@ impl<'s> Pruned<'s> {
         for (id, material, notes, gone) in changed {
             for image in gone {
                 let why = notes.images.get(&image).cloned();
-                self.dropped.entry(image).or_insert((pass, why.unwrap_or_else(|| "nothing reads it".to_owned())));
+                self.dropped
+                    .entry(image)
+                    .or_insert((pass, why.unwrap_or_else(|| "nothing reads it".to_owned())));
             }
             for why in notes.told {
                 self.tell(pass, "material", &material.name, why, &material.place, Saved::default());

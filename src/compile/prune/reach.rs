@@ -122,7 +122,11 @@ impl Reached {
             }
         });
         with_parts(scene, &mut reached.materials);
-        for material in reached.materials.iter().filter_map(|id| scene.materials.get(id.index())) {
+        for material in reached
+            .materials
+            .iter()
+            .filter_map(|id| scene.materials.get(id.index()))
+        {
             reached.textured.extend(images_behind(scene, material));
         }
         reached.images.clone_from(&reached.textured);

@@ -23,7 +23,9 @@ fn flatten(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
     material.normal_map = None;
     notes.told.push(why.to_owned());
     for image in facts.images_of(map.texture) {
-        notes.images.insert(image, why.replace("its normal map", "a normal map that"));
+        notes
+            .images
+            .insert(image, why.replace("its normal map", "a normal map that"));
     }
 }
 

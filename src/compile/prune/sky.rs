@@ -38,7 +38,9 @@ pub fn image(pruned: &mut Pruned<'_>) {
         return;
     };
     if pruned.scene.environment.illuminates && pruned.images.is_black(image) == Some(true) {
-        pruned.dropped.insert(image, (Pass::Sky, "all of it is black".to_owned()));
+        pruned
+            .dropped
+            .insert(image, (Pass::Sky, "all of it is black".to_owned()));
         darken(pruned, "all of its image is black");
     }
 }
@@ -50,7 +52,10 @@ fn darken(pruned: &mut Pruned<'_>, why: &str) {
     };
     let place = pruned.scene.environment.place.clone();
     if let EnvironmentKind::Image { image, .. } = pruned.scene.environment.kind {
-        pruned.dropped.entry(image).or_insert((Pass::Sky, format!("the environment shows it, and {why}")));
+        pruned
+            .dropped
+            .entry(image)
+            .or_insert((Pass::Sky, format!("the environment shows it, and {why}")));
     }
     pruned.tell(Pass::Sky, "environment", "", why, &place, saved);
     let scene: &mut Scene = pruned.scene.to_mut();

@@ -6,7 +6,7 @@
 use super::fold::{Facts, is_at_least, is_black, is_nothing};
 use super::{Notes, Pass, Pruned};
 use crate::compile::materials::solid;
-use crate::scene::{Finish, Material, Principled, Scene, SurfaceModel};
+use crate::scene::{Finish, Material, Medium, Principled, Scene, SurfaceModel};
 use glam::DVec3;
 
 /// Mixtures nested deeper than this contain themselves; `compile` refuses them.
@@ -22,7 +22,7 @@ fn simplify(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
         let Some((part, why)) = sole_part(facts.scene, material) else {
             break;
         };
-        material.interior = interior_with(material, part);
+        material.interior = interior_with(facts.scene, material, part);
         material.surface = part.surface.clone();
         notes.told.push(why);
     }
@@ -53,20 +53,37 @@ fn sole_part<'a>(scene: &'a Scene, material: &Material) -> Option<(&'a Material,
     };
     let part = scene.materials.get(id.index())?;
     // A mix has no direction of anisotropy of its own, and gives none to its parts.
-    let is_turned = matches!(&part.surface, SurfaceModel::Principled(p) if p.anisotropy.factor > 0.0);
+    let is_turned = matches!(&part.surface, SurfaceModel::Principled(p) if !is_nothing(&p.anisotropy));
     let why = format!("a mix by {} is its {which} part alone", weight.factor);
     (!is_turned && part.surface != material.surface).then_some((part, why))
 }
 
 /// What fills a solid of a mix that is this part alone: the mix's own filling, else the part's, which alone decides
 /// whether there is a solid at all.
-fn interior_with(mix: &Material, part: &Material) -> crate::scene::Medium {
-    let is_solid = solid(part).2;
-    if is_solid && !mix.interior.is_clear() {
+fn interior_with(scene: &Scene, mix: &Material, part: &Material) -> Medium {
+    if is_solid(scene, part) && !mix.interior.is_clear() {
         mix.interior
     } else {
         part.interior
     }
+}
+
+/// Whether light crosses a surface into a solid, or may: of a mix, into one of the parts that it has.
+pub fn is_solid(scene: &Scene, material: &Material) -> bool {
+    is_solid_within(scene, material, DEEPEST)
+}
+
+fn is_solid_within(scene: &Scene, material: &Material, depth: u32) -> bool {
+    let SurfaceModel::Mix { a, b, weight } = &material.surface else {
+        return solid(material).2;
+    };
+    let parts = [(a, is_at_least(weight, 1.0)), (b, is_nothing(weight))];
+    let mut parts = parts.into_iter().filter(|(_, is_absent)| !is_absent);
+    depth > 0
+        && parts.any(|(id, _)| {
+            let part = scene.materials.get(id.index());
+            part.is_some_and(|part| is_solid_within(scene, part, depth - 1))
+        })
 }
 
 fn principled(p: &mut Principled) {
@@ -102,7 +119,9 @@ fn principled(p: &mut Principled) {
 }
 
 fn finish(f: &mut Finish, notes: &mut Notes) {
-    if f.reflection.is_some_and(|r| r.min == DVec3::ZERO && r.max == DVec3::ZERO) {
+    if f.reflection
+        .is_some_and(|r| r.min == DVec3::ZERO && r.max == DVec3::ZERO)
+    {
         f.reflection = None;
         notes.told.push("a reflection of 0 mirrors nothing".to_owned());
     }

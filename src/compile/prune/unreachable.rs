@@ -62,7 +62,11 @@ fn spared(pruned: &Pruned<'_>, image: &Image, reason: String) -> (String, Saved)
 /// What is saved by leaving a file alone; one that is missing is no mistake where nobody needs it.
 fn file_left(pruned: &Pruned<'_>, path: &Path, reason: &str) -> (String, Saved) {
     let size = pruned.files.size(path);
-    let how = if size.is_some() { "not opened" } else { "not opened, and not there" };
+    let how = if size.is_some() {
+        "not opened"
+    } else {
+        "not opened, and not there"
+    };
     let saved = Saved {
         files: vec![path.to_owned()],
         ..Saved::of_bytes(size.unwrap_or(0))
@@ -75,7 +79,14 @@ fn meshes(pruned: &Pruned<'_>, reached: &Reached) -> Vec<Removal> {
     let idle = idle.filter(|(id, _)| !reached.meshes.contains(id));
     let tell = |(_, mesh): (_, &crate::scene::Mesh)| {
         let saved = Saved::of_bytes(((mesh.positions.len() + mesh.normals.len() + mesh.triangles.len()) * 12) as u64);
-        Removal::new(Pass::Unreachable, "mesh", &mesh.name, "nothing places it", &Place::None, saved)
+        Removal::new(
+            Pass::Unreachable,
+            "mesh",
+            &mesh.name,
+            "nothing places it",
+            &Place::None,
+            saved,
+        )
     };
     idle.map(tell).collect()
 }
@@ -89,7 +100,14 @@ fn groups(pruned: &Pruned<'_>, reached: &Reached) -> Vec<Removal> {
             ..Saved::default()
         };
         let first = group.objects.first()?;
-        Some(Removal::new(Pass::Unreachable, "group", "", "nothing places it", &first.place, saved))
+        Some(Removal::new(
+            Pass::Unreachable,
+            "group",
+            "",
+            "nothing places it",
+            &first.place,
+            saved,
+        ))
     };
     idle.filter_map(tell).collect()
 }

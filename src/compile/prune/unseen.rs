@@ -26,7 +26,9 @@ pub fn pass(pruned: &mut Pruned<'_>) {
         return;
     }
     let scene = pruned.scene.to_mut();
-    let groups = (0u32..).map(|g| Some(GroupId(g))).zip(scene.groups.iter_mut().map(|g| &mut g.objects));
+    let groups = (0u32..)
+        .map(|g| Some(GroupId(g)))
+        .zip(scene.groups.iter_mut().map(|g| &mut g.objects));
     let mut told = Vec::new();
     for (group, objects) in std::iter::once((None, &mut scene.objects)).chain(groups) {
         let mut index = 0;
@@ -60,7 +62,11 @@ fn unseen(scene: &Scene) -> BTreeMap<ObjectId, &'static str> {
         .collect();
     drawn(scene, &mut |drawing| {
         let by_material = drawing.material.and_then(|m| nothings.get(&m).copied());
-        let why = if drawing.is_seen { by_material } else { Some("no ray sees it") };
+        let why = if drawing.is_seen {
+            by_material
+        } else {
+            Some("no ray sees it")
+        };
         match objects.get_mut(&drawing.id) {
             Some(known) => *known = known.and(why),
             None if why.is_some() || drawing.id.group.is_some() || is_mesh(drawing.object) => {

@@ -19,6 +19,7 @@ mod deltas;
 mod document;
 mod extension;
 mod filter;
+mod left_out;
 mod light;
 mod material;
 mod mesh;
@@ -36,7 +37,7 @@ use crate::diag::{Anomaly, Diagnostic, Diagnostics, Severity};
 use crate::files::Files;
 use crate::scene::{Handedness, MaterialId, MeshId, Place, Scene, TextureId};
 use document::Document;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -84,12 +85,15 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         images: HashMap::new(),
         materials: HashMap::new(),
         meshes: HashMap::new(),
+        met_meshes: HashSet::new(),
+        chosen_scene: None,
         variant: None,
         bytes: 0,
         triangles: 0,
     };
     loader.variant = loader.choose_variant();
     loader.load_scene();
+    loader.tell_left_out();
     let Loader { mut scene, report, .. } = loader;
     scene.active_camera = (!scene.cameras.is_empty()).then_some(0);
     scene.is_bare_model = scene.cameras.is_empty() && scene.lights.is_empty() && !super::framing::emits(&scene);
@@ -112,6 +116,10 @@ struct Loader<'a> {
     images: HashMap<usize, Option<crate::scene::ImageId>>,
     materials: HashMap<(usize, bool), Option<MaterialId>>,
     meshes: HashMap<usize, Rc<[MeshId]>>,
+    /// Meshes that a visible node places.
+    met_meshes: HashSet<usize>,
+    /// The scene that is shown, if the file has scenes.
+    chosen_scene: Option<usize>,
     variant: Option<usize>,
     /// Bytes of all buffers read and views unpacked so far, and triangles made of them.
     bytes: u64,

@@ -52,6 +52,7 @@ impl Loader<'_> {
             (None, None) if self.doc.len("scenes") == 0 => return Some(self.parentless()),
             (None, None) => 0,
         };
+        self.chosen_scene = Some(index);
         let scene = self.doc.raw("scenes", index, "scene", &mut self.report)?;
         let at = format!("scenes[{index}].nodes");
         match scene.get("nodes") {
@@ -254,6 +255,7 @@ impl Loader<'_> {
                 placed.world
             };
             let instances = self.instances(raw, &at).unwrap_or_default();
+            self.met_meshes.insert(mesh.value());
             let meshes = self.meshes_of(mesh.value(), &pose, &format!("{at}.mesh"));
             for &id in meshes.iter() {
                 for instance in &instances {

@@ -126,7 +126,7 @@ impl Loader<'_> {
 }
 
 /// The path with `.` and `..` worked off, or `None` if it is absolute or leaves its folder.
-fn inner_path(path: &Path) -> Option<PathBuf> {
+pub(super) fn inner_path(path: &Path) -> Option<PathBuf> {
     let mut inner = PathBuf::new();
     for part in path.components() {
         match part {

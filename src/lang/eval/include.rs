@@ -41,7 +41,7 @@ impl Interp<'_> {
         Ok(())
     }
 
-    /// The path of an image or model named in the scene; an error if there is none.
+    /// The path of an image named in the scene; an error if there is none.
     pub fn asset(&mut self, name: &str, span: Span) -> Parsed<PathBuf> {
         match self.locate(name, span, &[""])? {
             Some(path) => Ok(path),
@@ -53,6 +53,12 @@ impl Interp<'_> {
         if self.is_silent() {
             return super::Stop;
         }
+        let missing = self.missing(name, span);
+        self.report(missing)
+    }
+
+    /// The error that a file is not found, with the places where it was looked for.
+    pub fn missing(&self, name: &str, span: Span) -> Diagnostic {
         let places: Vec<String> = self.search_dirs().iter().map(|d| show_dir(d)).collect();
         let mut d = Diagnostic::error("P0501", format!("cannot find \"{name}\"")).at(span, "");
         d = d.hint(format!("looked in {}", places.join(", ")));
@@ -65,7 +71,7 @@ impl Interp<'_> {
         if let Some(best) = super::errors::nearest(&wanted, known.iter().map(String::as_str)) {
             d = d.hint(format!("a file with a similar name exists: {best}"));
         }
-        self.report(d)
+        d
     }
 
     fn search_dirs(&self) -> Vec<PathBuf> {

@@ -93,6 +93,8 @@ pub struct Interp<'a> {
     pub size_used: Option<Span>,
     /// Directory of the main file.
     pub scene_dir: PathBuf,
+    /// Models whose file is not there, by the path that they would have; it is an error only where one is drawn.
+    pub missing_models: Vec<(PathBuf, crate::diag::Diagnostic)>,
     frames: Vec<Frame>,
     /// The next token, if it is known.
     ahead: Option<Tok>,
@@ -147,6 +149,7 @@ impl<'a> Interp<'a> {
             includes_set_version: true,
             size_used: None,
             scene_dir: PathBuf::new(),
+            missing_models: Vec::new(),
             frames: Vec::new(),
             ahead: None,
             hold: None,

@@ -67,6 +67,11 @@ impl Interp<'_> {
         out.atmosphere = self.medium_of(&media);
         out.atmosphere_place = media.first().map_or(Place::None, |m| Place::Text(m.span));
         self.emit_fogs(&mut out);
+        for (path, mut missing) in std::mem::take(&mut self.missing_models) {
+            missing.severity = crate::diag::Severity::Note;
+            missing.message = format!("\"{}\" is not there, but nothing drawn needs it", path.display());
+            self.report(missing);
+        }
         out
     }
 
@@ -211,6 +216,12 @@ impl Interp<'_> {
         done: &mut Emitted,
     ) -> Option<GroupId> {
         let key = format!("{:?} {} {:?} {:?}", m.kind, m.path.display(), m.scene, m.variant);
+        if let Some(i) = self.missing_models.iter().position(|(path, _)| *path == m.path) {
+            let missing = self.missing_models[i].1.clone();
+            self.missing_models.retain(|(path, _)| *path != m.path);
+            self.report(missing);
+            done.models.insert(key.clone(), None);
+        }
         if !done.models.contains_key(&key) {
             let request = ModelRequest {
                 kind: m.kind,

@@ -5,14 +5,23 @@ use crate::lang::ModelKind;
 use crate::lang::desc::{ModelDesc, ObjectDesc, ShapeDesc};
 use crate::lang::eval::{Interp, Parsed, T};
 use crate::lang::syntax::Word;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 impl Interp<'_> {
-    /// A model behind its opening brace. The file must exist; it is read when it is drawn.
+    /// A model behind its opening brace. Its file is read when it is drawn, and need not exist before.
     pub fn model(&mut self, w: Word, span: Span) -> Parsed<ObjectDesc> {
         let at = self.peek().span;
         let name = self.text("the model's file")?;
-        let path = self.asset(&name, at)?;
+        let path = match self.locate(&name, at, &[""])? {
+            Some(path) => path,
+            None => {
+                let path = PathBuf::from(&*name);
+                let missing = self.missing(&name, at);
+                self.missing_models.push((path.clone(), missing));
+                path
+            }
+        };
         self.comma();
         let (mut scene, mut variant) = (None, None);
         loop {

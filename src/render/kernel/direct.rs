@@ -74,7 +74,7 @@ impl Kernel<'_> {
         unshadowed * self.visibility::<T>(light, ray, media, wavelength, stats)
     }
 
-    /// The radiance that the sampled point of a textured light emits towards `p`.
+    /// The radiance that the sampled point of a textured light emits towards `p`, as far as the light is there.
     pub(super) fn textured_emission(&self, light: &LightSample, p: Vec3) -> Vec3 {
         let geometry = &self.scene.geometry;
         let hit = Hit {
@@ -90,7 +90,11 @@ impl Kernel<'_> {
         let surface = geometry.surface(&towards, &hit);
         let attributes = geometry.attributes(&hit, &surface, light.time);
         let front = light.wi.dot(surface.ng) < 0.0;
-        self.scene.materials[surface.material as usize].emission(&self.shading(&attributes, 1.0, None), front)
+        let (material, shading) = (
+            &self.scene.materials[surface.material as usize],
+            self.shading(&attributes, 1.0, None),
+        );
+        material.emission(&shading, front) * material.alpha(&shading)
     }
 
     /// The share of a light sample's radiance that arrives, per channel.
