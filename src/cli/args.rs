@@ -222,9 +222,13 @@ pub struct LoadArgs {
     /// Declare an identifier before the text scene is read: -D radius=2. Can be repeated.
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = values::define, help_heading = SCENE)]
     pub define: Vec<(String, String)>,
-    /// Value of `clock` in text scenes [default: 0].
+    /// When the shutter opens: `clock` in text scenes, seconds of the animations of a bare glTF [default: 0; a glTF
+    /// stands as it is written].
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = values::finite, help_heading = SCENE)]
     pub clock: Option<f64>,
+    /// How long the shutter is open, in units of the clock: what moves meanwhile is blurred. 0 shows a moment [default: the scene's, or 0].
+    #[arg(long, value_name = "S", value_parser = values::factor, help_heading = SCENE)]
+    pub shutter: Option<f64>,
     /// Which scene of a bare glTF to show, by name [default: the file's default scene].
     #[arg(long, value_name = "NAME", help_heading = SCENE)]
     pub gltf_scene: Option<String>,

@@ -105,6 +105,7 @@ pub fn scene_words(view: &ViewArgs, load: &LoadArgs) -> Vec<String> {
         flag("-D", Some(format!("{name}={value}")));
     }
     flag("--clock", load.clock.map(|t| t.to_string()));
+    flag("--shutter", load.shutter.map(|s| s.to_string()));
     flag("--gltf-scene", load.gltf_scene.clone());
     flag("--variant", load.variant.clone());
     words
@@ -188,6 +189,8 @@ mod tests {
             "--no-dither",
             "--clock",
             "-2",
+            "--shutter",
+            "0.5",
             "-I",
             "inc",
         ]);
