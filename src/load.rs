@@ -161,7 +161,7 @@ impl Reader<'_> {
 
 /// A model that stands for itself where only places are compared.
 fn without_vertices(mut model: Scene) -> Scene {
-    for mesh in &mut model.meshes {
+    for mesh in std::sync::Arc::make_mut(&mut model.meshes) {
         *mesh = Mesh {
             name: std::mem::take(&mut mesh.name),
             materials: std::mem::take(&mut mesh.materials),

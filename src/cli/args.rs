@@ -253,7 +253,11 @@ pub struct PruneArgs {
 impl PruneArgs {
     /// The effects that are computed whatever the scene says, each once.
     pub fn forced(&self) -> impl Iterator<Item = Effect> + '_ {
-        let is_asked = |e: &Effect| self.force_effects.iter().any(|f| *f == Forced::All || *f == Forced::One(*e));
+        let is_asked = |e: &Effect| {
+            self.force_effects
+                .iter()
+                .any(|f| *f == Forced::All || *f == Forced::One(*e))
+        };
         Effect::ALL.into_iter().filter(is_asked)
     }
 

@@ -168,7 +168,9 @@ pub enum Forced {
 /// An effect by its name, or `all`.
 pub fn forced() -> impl TypedValueParser<Value = Forced> {
     let words = Effect::ALL.map(|e| PossibleValue::new(e.word()));
-    let words = words.into_iter().chain([PossibleValue::new("all").help("every effect")]);
+    let words = words
+        .into_iter()
+        .chain([PossibleValue::new("all").help("every effect")]);
     PossibleValuesParser::new(words).try_map(|word| match word.as_str() {
         "all" => Ok(Forced::All),
         _ => Effect::from_word(&word).map(Forced::One).ok_or("unknown effect"),

@@ -221,6 +221,7 @@ fn lamp(position: DVec3, color: DVec3) -> Light {
             falloff: Falloff::None,
         },
         casts_shadows: true,
+        motion: Vec::new(),
         place: Place::None,
     }
 }

@@ -22,7 +22,7 @@ impl World {
             textures: &self.textures,
             attrs: &self.attrs,
             outer_ior: 1.0,
-            channel: None,
+            wavelength: None,
         }
     }
 }
