@@ -314,6 +314,12 @@ pub struct InspectArgs {
     /// Width and height of the picture [default: the scene's, else 800x600].
     #[arg(short, long, value_name = "WxH", help_heading = PICTURE)]
     pub resolution: Option<Resolution>,
+    /// Render for this long, as in 3s, and tell what share of the time each effect takes and how long --error will take.
+    #[arg(long, value_name = "TIME", value_parser = values::duration, help_heading = OUTPUT)]
+    pub measure: Option<f64>,
+    /// The error whose time --measure forecasts [default: the scene's, else 3%].
+    #[arg(long, value_name = "E", value_parser = values::error_goal, requires = "measure", help_heading = OUTPUT)]
+    pub error: Option<f64>,
     /// What replaces parts of the scene.
     #[command(flatten)]
     pub view: ViewArgs,

@@ -1,9 +1,11 @@
 //! `pts inspect`: which effects a scene calls for and who calls, what it holds and does not need, how large it is.
 
 mod json;
+mod measure;
 mod pruned;
 mod text;
 
+use self::measure::{Measured, Task};
 use super::args::InspectArgs;
 use super::choices::ReportFormat;
 use super::console::Console;
@@ -13,10 +15,14 @@ use crate::compile::effects::causes::{self, Effects};
 use crate::compile::prune::{Pruned, Reached, Removal, prune};
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
+use crate::render::kernel::tier::KernelTier;
 use crate::render::scene::CompiledScene;
 use crate::render::technique::Technique;
 use crate::scene::{Place, Scene, SurfaceModel};
 use std::io::Write;
+
+/// The error whose time is forecast where nobody names one: that of `render`.
+const DEFAULT_GOAL: f64 = 0.03;
 
 /// Runs the command.
 pub fn run(args: &InspectArgs) -> Exit {
@@ -49,6 +55,8 @@ struct Found {
     pruned: Option<Vec<Removal>>,
     opened: Vec<String>,
     hints: Vec<(String, Place)>,
+    /// What rendering it costs, if that was asked for.
+    measured: Option<Measured>,
 }
 
 fn inspect(args: &InspectArgs, console: &Console, sources: &mut SourceMap, diags: &mut Diagnostics) -> Option<Found> {
@@ -76,7 +84,28 @@ fn inspect(args: &InspectArgs, console: &Console, sources: &mut SourceMap, diags
     let effects = causes::of(&pruned.scene, &technique);
     let mut compiled = compile_pruned(pruned, size[0], size[1], &technique, diags)?;
     args.prune.forced().for_each(|effect| effect.force(&mut compiled));
+    let measured = match args.measure {
+        Some(seconds) => {
+            let task = Task {
+                scene: &described,
+                files: &files,
+                effects: effects.iter().collect(),
+                size,
+                goal: args.error.or(described.defaults.error).unwrap_or(DEFAULT_GOAL),
+                seconds,
+            };
+            match task.run() {
+                Ok(measured) => Some(measured),
+                Err(stopped) => {
+                    console.error(&format!("nothing was measured: {stopped}"));
+                    return None;
+                }
+            }
+        }
+        None => None,
+    };
     Some(Found {
+        measured,
         name: args.scene.display().to_string(),
         size,
         effects,
@@ -113,6 +142,12 @@ fn hints(scene: &Scene) -> Vec<(String, Place)> {
 }
 
 impl Found {
+    fn solids(&self) -> u64 {
+        let is_solid = |m: &u32| self.compiled.materials.get(*m as usize).is_some_and(|m| m.interior);
+        let objects = self.compiled.geometry.objects().iter();
+        objects.filter(|o| o.materials.iter().any(is_solid)).count() as u64
+    }
+
     fn measure(&self) -> Size {
         let geometry = &self.compiled.geometry;
         let meshes = geometry.meshes();
@@ -122,6 +157,10 @@ impl Found {
             triangles: meshes.iter().map(|m| m.triangles.len() as u64).sum(),
             mesh_bytes: geometry.bytes(),
             lights: self.compiled.lights.len() as u64,
+            kernel: KernelTier::of(&self.compiled.traits),
+            solids: self.solids(),
+            meetings: self.compiled.contacts.len() as u64,
+            media: self.compiled.media.len() as u64 - 1 + self.compiled.fogs.len() as u64,
             images: images.len() as u64,
             image_bytes: images.iter().map(|i| i.bytes()).sum(),
         }
@@ -134,6 +173,14 @@ struct Size {
     triangles: u64,
     mesh_bytes: u64,
     lights: u64,
+    /// What paths are compiled to watch for.
+    kernel: KernelTier,
+    /// Objects that light enters.
+    solids: u64,
+    /// Pairs of them that may touch or lie within each other, as far as their boxes tell.
+    meetings: u64,
+    /// What fills them and the space between them; fogs.
+    media: u64,
     images: u64,
     image_bytes: u64,
 }

@@ -19,6 +19,7 @@ impl Found {
                     "on": self.effects.has(effect),
                     "strategy": effect.is_strategy(),
                     "causes": causes,
+                    "time_share": self.measured.as_ref().and_then(|m| m.share(effect)).map(|(s, e)| json!([s, e])),
                 });
                 (effect.word().to_owned(), value)
             })
@@ -43,6 +44,14 @@ impl Found {
             "triangles": size.triangles,
             "mesh_bytes": size.mesh_bytes,
             "lights": size.lights,
+            "kernel": size.kernel.word(),
+            "solids": size.solids,
+            "meeting_solids": size.meetings,
+            "media": size.media,
+            "max_depth": self.scene.defaults.max_depth,
+            "forecast": self.measured.as_ref().and_then(|m| m.forecast.as_ref()).map(|f| {
+                json!({"error": f.goal, "seconds": f.seconds})
+            }),
             "images": size.images,
             "image_bytes": size.image_bytes,
             "cameras": cameras,

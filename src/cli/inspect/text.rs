@@ -1,10 +1,12 @@
 //! What was found, for people.
 
+use super::measure::Until;
 use super::{Found, place};
 use crate::compile::effects::Effect;
 use crate::compile::effects::causes::Cause;
 use crate::diag::SourceMap;
-use crate::math::words::{bytes, grouped};
+use crate::math::words::{bytes, duration, grouped};
+use crate::render::kernel::tier::KernelTier;
 use crate::scene::Place;
 
 /// Causes of an effect that are told by name; the others are counted.
@@ -24,6 +26,8 @@ impl Found {
             for (i, told) in told.iter().enumerate() {
                 lines.push(row(if i == 0 { effect.word() } else { "" }, told));
             }
+            let share = self.measured.as_ref().and_then(|m| m.share(effect));
+            lines.extend(share.map(|(share, error)| row("", &time_share(share, error))));
         }
         let off = Effect::ALL.into_iter().filter(|e| !self.effects.has(*e));
         let off: Vec<&str> = off.map(Effect::word).collect();
@@ -37,9 +41,39 @@ impl Found {
         let triangles = format!("{} ({})", grouped(size.triangles), bytes(size.mesh_bytes));
         lines.push(row("triangles", &triangles));
         lines.push(row("lights", &grouped(size.lights)));
+        if size.solids > 0 {
+            let pairs = match size.meetings {
+                0 => "none within another".to_owned(),
+                n => format!("{} pairs may touch or lie within each other", grouped(n)),
+            };
+            lines.push(row("solids", &format!("{} ({pairs})", grouped(size.solids))));
+        }
+        if size.media > 0 {
+            lines.push(row("media", &grouped(size.media)));
+        }
+        let depth = self
+            .scene
+            .defaults
+            .max_depth
+            .map_or("no limit".to_owned(), |n| n.to_string());
+        lines.push(row("bounces", &depth));
+        let kernel = match size.kernel {
+            KernelTier::Surfaces => "surfaces (nothing between them, no wavelengths)",
+            KernelTier::All => "all (media between surfaces, and wavelengths)",
+        };
+        lines.push(row("kernel", kernel));
         let textures = format!("{} ({})", grouped(size.images), bytes(size.image_bytes));
         lines.push(row("textures", &textures));
         lines.push(row("files read", &self.opened.join(", ")));
+        if let Some(measured) = &self.measured {
+            lines.push("measured".to_owned());
+            if let Some(until) = &measured.forecast {
+                lines.push(row("forecast", &forecast(until, self.size)));
+            }
+            let [w, h] = measured.size;
+            lines.push(row("", &format!("with pictures of {w}x{h}, on all threads")));
+            lines.extend(measured.notes.iter().map(|note| row("", note)));
+        }
         if !self.hints.is_empty() {
             lines.push("hints".to_owned());
             for (hint, at) in &self.hints {
@@ -48,6 +82,26 @@ impl Found {
         }
         lines.join("\n") + "\n"
     }
+}
+
+/// `38 ± 2 % of the time`
+fn time_share(share: f64, error: f64) -> String {
+    format!(
+        "takes {:.0} ± {:.0} % of the time",
+        share * 100.0,
+        (error * 100.0).max(1.0)
+    )
+}
+
+/// `28 s to 1:00 min until an error of 2 % at 800x600`
+fn forecast(until: &Until, [w, h]: [u32; 2]) -> String {
+    let [from, to] = until.seconds;
+    let goal = until.goal * 100.0;
+    let time = match from == to {
+        true => format!("about {}", duration(from)),
+        false => format!("{} to {}", duration(from), duration(to)),
+    };
+    format!("{time} until an error of {goal} % at {w}x{h}")
 }
 
 /// A line of a section.
