@@ -8,8 +8,8 @@ use super::leave_out::{has_coat, passes};
 use super::{Effect, Effect::*, image_inputs};
 use crate::render::technique::{LightPick, Technique};
 use crate::scene::{
-    Camera, EnvironmentKind, Material, MaterialId, Medium, Object, OpacityMode, Place, Principled, Scene, Shape, SurfaceModel,
-    Texture, TextureId,
+    Camera, EnvironmentKind, Material, MaterialId, Medium, Object, OpacityMode, Place, Principled, Scene, Shape,
+    SurfaceModel, Texture, TextureId,
 };
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -179,6 +179,7 @@ fn material(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> Material {
     }
     if chance(rng, 3) {
         m.interior.absorption = DVec3::new(0.3, 0.1, 0.0);
+        m.interior.scattering = one_of(rng, &[DVec3::ZERO, DVec3::new(0.0, 0.4, 0.4)]);
     }
     m.opacity.mode = one_of(
         rng,
@@ -221,6 +222,7 @@ fn lamp(position: DVec3, color: DVec3) -> Light {
             falloff: Falloff::None,
         },
         casts_shadows: true,
+        motion: Vec::new(),
         place: Place::None,
     }
 }
@@ -264,6 +266,10 @@ fn scene(seed: u64, plain: bool) -> Scene {
                 shadow: chance(rng, 2),
                 indirect: false,
             };
+        }
+        if chance(rng, 6) {
+            let end = DAffine3::from_translation(one_of(rng, &[DVec3::ZERO, DVec3::X * 0.3]));
+            object.motion = vec![DAffine3::IDENTITY, end];
         }
         if chance(rng, 3) {
             members.push(object);
