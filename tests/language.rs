@@ -47,10 +47,8 @@ fn load_file(path: &Path) -> Loaded {
             ("Defined".to_owned(), "3".to_owned()),
             ("Word".to_owned(), "text".to_owned()),
         ],
-        width: None,
-        height: None,
         clock: 0.25,
-        models: &model,
+        ..LoadOptions::new(&model)
     };
     let scene = load(path, &DiskFiles::default(), &options, &mut sources, &mut diags);
     Loaded { scene, sources, diags }

@@ -283,7 +283,7 @@ fn models_with_changed_bytes_load_or_are_refused() {
         let scene = load(Path::new("a.obj"), &files, &ObjOptions::default(), &mut diags);
         assert_eq!(scene.is_none(), diags.has_errors());
         assert!(diags.iter().all(|d| d.place.is_some()));
-        for mesh in scene.iter().flat_map(|s| &s.meshes) {
+        for mesh in scene.iter().flat_map(|s| s.meshes.iter()) {
             let n = mesh.positions.len();
             assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < n));
             assert!(mesh.normals.is_empty() || mesh.normals.len() == n);

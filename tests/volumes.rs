@@ -217,6 +217,7 @@ fn haze_in_front_of_a_lamp_is_scattered_once() {
             color: DVec3::ONE,
             kind: LightKind::Directional { direction: DVec3::Z },
             casts_shadows: true,
+            motion: Vec::new(),
             place: Place::None,
         });
         let e = std::f64::consts::PI;
@@ -296,6 +297,7 @@ fn fog_hides_what_lies_behind_it() {
             direction: DVec3::NEG_Y,
         },
         casts_shadows: true,
+        motion: Vec::new(),
         place: Place::None,
     });
     let left = (-1.0f64).exp();

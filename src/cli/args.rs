@@ -2,7 +2,8 @@
 
 use super::camera::CameraChoice;
 use super::choices::{Aov, ColorKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind, ViewName};
-use super::values::{self, Resolution};
+use super::values::{self, Forced, Resolution};
+use crate::compile::effects::Effect;
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
@@ -221,9 +222,13 @@ pub struct LoadArgs {
     /// Declare an identifier before the text scene is read: -D radius=2. Can be repeated.
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = values::define, help_heading = SCENE)]
     pub define: Vec<(String, String)>,
-    /// Value of `clock` in text scenes [default: 0].
+    /// When the shutter opens: `clock` in text scenes, seconds of the animations of a bare glTF [default: 0; a glTF
+    /// stands as it is written].
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = values::finite, help_heading = SCENE)]
     pub clock: Option<f64>,
+    /// How long the shutter is open, in units of the clock: what moves meanwhile is blurred. 0 shows a moment [default: the scene's, or 0].
+    #[arg(long, value_name = "S", value_parser = values::factor, help_heading = SCENE)]
+    pub shutter: Option<f64>,
     /// Which scene of a bare glTF to show, by name [default: the file's default scene].
     #[arg(long, value_name = "NAME", help_heading = SCENE)]
     pub gltf_scene: Option<String>,
@@ -239,6 +244,28 @@ pub struct PruneArgs {
     /// colour, … The picture stays the same but for noise.
     #[arg(long, help_heading = SCENE)]
     pub no_prune: bool,
+    /// Compute effects whether or not the scene calls for them, or `all`: the picture stays the same, the time tells what
+    /// they cost. Can be repeated.
+    #[arg(long, value_name = "EFFECT,…", value_delimiter = ',', value_parser = values::forced(), help_heading = SCENE)]
+    pub force_effects: Vec<Forced>,
+}
+
+impl PruneArgs {
+    /// The effects that are computed whatever the scene says, each once.
+    pub fn forced(&self) -> impl Iterator<Item = Effect> + '_ {
+        let is_asked = |e: &Effect| {
+            self.force_effects
+                .iter()
+                .any(|f| *f == Forced::All || *f == Forced::One(*e))
+        };
+        Effect::ALL.into_iter().filter(is_asked)
+    }
+
+    /// The words of [`PruneArgs::forced`], separated by commas; `None` for none.
+    pub fn forced_list(&self) -> Option<String> {
+        let words: Vec<&str> = self.forced().map(Effect::word).collect();
+        (!words.is_empty()).then(|| words.join(","))
+    }
 }
 
 /// What is said on the terminal, for all commands.

@@ -74,7 +74,8 @@ fn inspect(args: &InspectArgs, console: &Console, sources: &mut SourceMap, diags
     };
     let what = std::mem::take(&mut pruned.what);
     let effects = causes::of(&pruned.scene, &technique);
-    let compiled = compile_pruned(pruned, size[0], size[1], &technique, diags)?;
+    let mut compiled = compile_pruned(pruned, size[0], size[1], &technique, diags)?;
+    args.prune.forced().for_each(|effect| effect.force(&mut compiled));
     Some(Found {
         name: args.scene.display().to_string(),
         size,

@@ -32,7 +32,7 @@ impl<F: Files> HashingFiles<F> {
         }
     }
 
-    /// The fingerprint of everything that was read, of the declarations and of the clock, as 16 hexadecimal digits.
+    /// The fingerprint of everything that was read, of the declarations, of the clock and of the shutter, as 16 hexadecimal digits.
     /// Names of files and the order of reading do not count.
     pub fn scene_hash(&self, args: &RenderArgs) -> String {
         let mut hash = Fnv::default();
@@ -50,6 +50,11 @@ impl<F: Files> HashingFiles<F> {
             hash.write(&[0]);
         }
         hash.write(&load.clock.unwrap_or(0.0).to_le_bytes());
+        // A clock of 0 plays a model's animations, no clock does not; a shutter of 0 is not that of the scene.
+        if load.clock.is_some() || load.shutter.is_some() {
+            hash.write(&[u8::from(load.clock.is_some()), u8::from(load.shutter.is_some())]);
+            hash.write(&load.shutter.unwrap_or(0.0).to_le_bytes());
+        }
         format!("{:016x}", hash.value())
     }
 }
@@ -204,5 +209,6 @@ mod tests {
         assert_ne!(base, hash(&["sphere", "cone"], &[]));
         assert_ne!(base, hash(&["sphere", "box"], &["-D", "r=2"]));
         assert_ne!(base, hash(&["sphere", "box"], &["--clock", "1"]));
+        assert_ne!(base, hash(&["sphere", "box"], &["--shutter", "1"]));
     }
 }

@@ -226,9 +226,13 @@ fn build<F: Files>(
     } else {
         prune(&scene, files, diags)
     };
-    let Some(compiled) = compile_pruned(pruned, size[0], size[1], &settings.technique, diags) else {
+    for effect in args.prune.forced() {
+        effect.force_technique(&mut settings.technique);
+    }
+    let Some(mut compiled) = compile_pruned(pruned, size[0], size[1], &settings.technique, diags) else {
         return Ok(None);
     };
+    args.prune.forced().for_each(|effect| effect.force(&mut compiled));
     console.detail(&format!("compiled it in {}", clock(compiling.elapsed().as_secs_f64())));
     let display = Display {
         tonemap: plan::scene_tone_map(&scene),

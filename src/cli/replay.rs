@@ -69,6 +69,9 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
     if args.prune.no_prune {
         words.push("--no-prune".to_owned());
     }
+    if let Some(list) = args.prune.forced_list() {
+        words.extend(["--force-effects".to_owned(), list]);
+    }
     if let Some(depth) = args.sampling.max_depth {
         words.extend(["--max-depth".to_owned(), depth.to_string()]);
     }
@@ -102,6 +105,7 @@ pub fn scene_words(view: &ViewArgs, load: &LoadArgs) -> Vec<String> {
         flag("-D", Some(format!("{name}={value}")));
     }
     flag("--clock", load.clock.map(|t| t.to_string()));
+    flag("--shutter", load.shutter.map(|s| s.to_string()));
     flag("--gltf-scene", load.gltf_scene.clone());
     flag("--variant", load.variant.clone());
     words
@@ -185,6 +189,8 @@ mod tests {
             "--no-dither",
             "--clock",
             "-2",
+            "--shutter",
+            "0.5",
             "-I",
             "inc",
         ]);

@@ -35,7 +35,8 @@ pub fn load_options(args: &LoadArgs, size: [Option<u32>; 2]) -> LoadOptions {
         defines: args.define.clone(),
         width: size[0],
         height: size[1],
-        clock: args.clock.unwrap_or(0.0),
+        clock: args.clock,
+        shutter: args.shutter,
         gltf_scene: args.gltf_scene.clone(),
         variant: args.variant.clone(),
     }

@@ -156,6 +156,27 @@ pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(words).try_map(|word| T::from_word(&word).ok_or("unknown word"))
 }
 
+/// What `--force-effects` names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Forced {
+    /// Every effect.
+    All,
+    /// One of them.
+    One(Effect),
+}
+
+/// An effect by its name, or `all`.
+pub fn forced() -> impl TypedValueParser<Value = Forced> {
+    let words = Effect::ALL.map(|e| PossibleValue::new(e.word()));
+    let words = words
+        .into_iter()
+        .chain([PossibleValue::new("all").help("every effect")]);
+    PossibleValuesParser::new(words).try_map(|word| match word.as_str() {
+        "all" => Ok(Forced::All),
+        _ => Effect::from_word(&word).map(Forced::One).ok_or("unknown effect"),
+    })
+}
+
 /// An effect by its name.
 pub fn effect() -> impl TypedValueParser<Value = Effect> {
     let words = Effect::ALL.map(|e| PossibleValue::new(e.word()).help(e.without()));

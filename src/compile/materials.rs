@@ -8,8 +8,8 @@ use crate::render::medium::CLEAR;
 use crate::render::technique::{Technique, TextureFilter};
 use crate::render::texture as tex;
 use crate::scene::{
-    Channel, ColorInput, EmissionSides, Encoding, Finish, ImageId, Material, MaterialId, NormalMap, OpacityMode,
-    Principled, ScalarInput, Scene, SurfaceModel, TexelFilter, Texture, TextureId, Wrap,
+    BumpMap, Channel, ColorInput, EmissionSides, Encoding, Finish, ImageId, Material, MaterialId, NormalMap,
+    OpacityMode, Principled, ScalarInput, Scene, SurfaceModel, TexelFilter, Texture, TextureId, Wrap,
 };
 use glam::{Affine2, DVec3, Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -94,6 +94,7 @@ impl<'a, 'i> Materials<'a, 'i> {
         };
         out.normal_map = material.normal_map.as_ref().and_then(|n| self.normal_map(n, diags));
         out.medium = self.media.add(&material.interior);
+        out.bump_map = material.bump_map.as_ref().and_then(|b| self.bump_map(b, diags));
         let is_colored = id.is_some_and(|id| self.colored.contains(&id));
         let folded = folded(self.scene, self.images, is_colored, &material);
         (out.ior, out.dispersion, out.interior) = solid(&folded);
@@ -247,6 +248,13 @@ impl<'a, 'i> Materials<'a, 'i> {
         Some(engine::NormalMap { texture, scale })
     }
 
+    fn bump_map(&mut self, b: &BumpMap, diags: &mut Diagnostics) -> Option<engine::BumpMap> {
+        Some(engine::BumpMap {
+            texture: self.texture(b.texture, diags)?,
+            scale: b.scale as f32,
+        })
+    }
+
     /// The engine's index of a texture; `None` if its image could not be read. Parts come before products.
     fn texture(&mut self, id: TextureId, diags: &mut Diagnostics) -> Option<u32> {
         if let Some(known) = self.textures.get(&id) {
@@ -347,7 +355,7 @@ impl<'a, 'i> Materials<'a, 'i> {
                 p.anisotropy.factor != 0.0 || colors.into_iter().any(color) || scalars.into_iter().any(scalar)
             }
         };
-        alpha || surface || color(&m.emission) || m.normal_map.is_some()
+        alpha || surface || color(&m.emission) || m.normal_map.is_some() || m.bump_map.is_some()
     }
 }
 

@@ -15,6 +15,7 @@ use crate::files::Files;
 use crate::scene::Scene;
 use eval::Interp;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 /// Which importer a model needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +56,10 @@ pub struct LoadOptions<'a> {
     pub height: Option<u32>,
     /// The animation clock.
     pub clock: f64,
+    /// The clock at which the shutter opens; `None` is `clock` itself.
+    pub opening: Option<f64>,
+    /// Set when the scene reads `clock`: without that no moment differs from another.
+    pub clock_read: AtomicBool,
     /// Loads glTF and OBJ models.
     pub models: &'a ModelLoader<'a>,
 }
@@ -68,6 +73,8 @@ impl<'a> LoadOptions<'a> {
             width: None,
             height: None,
             clock: 0.0,
+            opening: None,
+            clock_read: AtomicBool::new(false),
             models,
         }
     }

@@ -79,6 +79,7 @@ impl Camera {
     /// The ray through (x, y) of the picture, both in units of its width and height from the centre: x in
     /// [−½, ½] to the right, y in [−½, ½] upwards. `lens` is uniform in the unit square, `time` in [0, 1) of the time that
     /// the shutter is open.
+    #[inline(always)]
     pub fn ray(&self, x: f64, y: f64, lens: Vec2, time: f32) -> Ray {
         if self.moves() {
             return self.moving_ray(x, y, lens, time);

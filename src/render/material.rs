@@ -23,7 +23,7 @@ use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
 use glam::Vec3;
 use models::{chance, dielectric_coat, is_rough_solid, roughness_to_alpha};
-use normal::{mapped_normal, visible_normal};
+use normal::{bumped_normal, mapped_normal, visible_normal};
 
 /// How coverage is used.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +42,15 @@ pub struct NormalMap {
     /// Index of a data texture.
     pub texture: u32,
     /// Factor on x and y.
+    pub scale: f32,
+}
+
+/// A relief of an image's luminance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BumpMap {
+    /// Index of an image texture; others have no slopes.
+    pub texture: u32,
+    /// Height of white over black, in texels.
     pub scale: f32,
 }
 
@@ -161,6 +170,8 @@ pub struct Material {
     pub alpha: Alpha,
     /// Perturbs the shading normal.
     pub normal_map: Option<NormalMap>,
+    /// Perturbs the shading normal, after the normal map.
+    pub bump_map: Option<BumpMap>,
     /// What fills a solid of it: index into the scene's media.
     pub medium: u32,
     /// Index of refraction inside (glass), or of the coat (glossy).
@@ -199,6 +210,7 @@ impl Material {
             emits_back: true,
             alpha: Alpha::Opaque,
             normal_map: None,
+            bump_map: None,
             medium: super::medium::CLEAR,
             ior: 1.5,
             dispersion: 0.0,
@@ -406,6 +418,9 @@ impl Material {
         let mut n = ns;
         if let Some(map) = &self.normal_map {
             n = mapped_normal(map, cx, ns).unwrap_or(ns);
+        }
+        if let Some(map) = &self.bump_map {
+            n = bumped_normal(map, cx, n).unwrap_or(n);
         }
         if n != ng {
             n = if ng.dot(wo) < 0.0 {

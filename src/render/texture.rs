@@ -4,6 +4,7 @@
 //! Any coordinate is safe: infinite and NaN ones read the first texel.
 
 use super::surface::Attributes;
+use crate::math::color::luminance;
 use crate::math::portable::pow;
 use crate::pictures::Texels;
 use glam::{Affine2, Vec2, Vec3, Vec4};
@@ -169,6 +170,19 @@ impl ImageTexture {
     }
 }
 
+/// How an image rises at a surface point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// Luminance per texel towards the right.
+    pub right: f32,
+    /// Luminance per texel towards the top.
+    pub up: f32,
+    /// World direction of the image's rows, not normalised; zero without a tangent frame.
+    pub to_right: Vec3,
+    /// World direction of the image's columns, upwards, not normalised.
+    pub to_top: Vec3,
+}
+
 /// A function of the surface point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
@@ -192,6 +206,32 @@ pub struct Textures {
 }
 
 impl Textures {
+    /// How an image texture rises at a surface point, by differences over one texel; `None` for other textures, and where
+    /// the transform of the coordinates has no inverse.
+    pub fn slope(&self, id: u32, attrs: &Attributes) -> Option<Slope> {
+        let Some(Texture::Image(t)) = self.nodes.get(id as usize) else {
+            return None;
+        };
+        let image = self.images.get(t.image as usize)?;
+        let to_image = t.uv_transform.matrix2;
+        if to_image.determinant() == 0.0 {
+            return None;
+        }
+        let uv = attrs.uv.get(t.uv_set as usize).copied().unwrap_or(attrs.uv[0]);
+        let uv = t.uv_transform.transform_point2(uv);
+        let height = |uv: Vec2| luminance(t.look_up(image, uv).truncate());
+        let rise = |step: Vec2| height(uv + step) - height(uv - step);
+        // Columns of the inverse: where the surface's coordinates go for a step in the image. Both v grow downwards.
+        let from_image = to_image.inverse();
+        let world = |step: Vec2| attrs.tangent * step.x - attrs.bitangent * step.y;
+        Some(Slope {
+            right: rise(Vec2::new(0.5 / image.width as f32, 0.0)),
+            up: rise(Vec2::new(0.0, -0.5 / image.height as f32)),
+            to_right: world(from_image.x_axis),
+            to_top: -world(from_image.y_axis),
+        })
+    }
+
     /// Linear RGBA of a texture at a surface point; white for a reference that leads nowhere.
     pub fn eval(&self, id: u32, attrs: &Attributes) -> Vec4 {
         match self.nodes.get(id as usize) {

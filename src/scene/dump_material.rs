@@ -48,6 +48,9 @@ pub(super) fn material_text(m: &Material) -> String {
     if let Some(n) = m.normal_map {
         let _ = write!(text, " normal_map {} {}", n.texture.0, num(n.scale));
     }
+    if let Some(b) = m.bump_map {
+        let _ = write!(text, " bump_map {} {}", b.texture.0, num(b.scale));
+    }
     text += &medium_text(&m.interior);
     if !m.name.is_empty() {
         let _ = write!(text, " name {:?}", m.name);

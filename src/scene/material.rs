@@ -91,6 +91,17 @@ pub struct NormalMap {
     pub scale: f64,
 }
 
+/// A relief: white texels (by luminance) stand `scale` texels above black ones, against the geometric normal's side if
+/// it is negative. Heights in texels make slopes that depend neither on the size of the surface nor on how often the
+/// image repeats on it; that is POV-Ray's meaning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BumpMap {
+    /// A data texture; only images have slopes.
+    pub texture: TextureId,
+    /// Height of white over black, in texels.
+    pub scale: f64,
+}
+
 /// The glTF material set (metallic-roughness with its extensions), same words in snake_case.
 /// Roughness is perceptual, α = roughness².
 #[derive(Clone, Debug, PartialEq)]
@@ -308,6 +319,8 @@ pub struct Material {
     pub opacity: Opacity,
     /// Perturbs the shading normal.
     pub normal_map: Option<NormalMap>,
+    /// Perturbs the shading normal, after the normal map.
+    pub bump_map: Option<BumpMap>,
     /// What fills a solid of this material.
     pub interior: Medium,
     /// Where it was written.
@@ -324,6 +337,7 @@ impl Material {
             emission_sides: EmissionSides::ByShape,
             opacity: Opacity::default(),
             normal_map: None,
+            bump_map: None,
             interior: Medium::default(),
             place: Place::None,
         }
@@ -388,5 +402,6 @@ impl Material {
             _ => None,
         };
         [self.normal_map, coat].into_iter().flatten().for_each(|n| f(n.texture));
+        self.bump_map.into_iter().for_each(|b| f(b.texture));
     }
 }

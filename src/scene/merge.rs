@@ -101,6 +101,9 @@ impl Offsets {
         self.color(&mut m.emission);
         self.scalar(&mut m.opacity.alpha);
         self.normal(&mut m.normal_map);
+        if let Some(b) = &mut m.bump_map {
+            b.texture.0 += self.textures;
+        }
         match &mut m.surface {
             SurfaceModel::Diffuse { color, sigma: s }
             | SurfaceModel::Glass {

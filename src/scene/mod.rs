@@ -25,8 +25,8 @@ pub use image::{Image, ImageSource};
 pub use left_out::LeftOut;
 pub use light::{Environment, EnvironmentKind, Falloff, Light, LightKind, SpotProfile};
 pub use material::{
-    ColorInput, EmissionSides, Finish, FinishReflection, Material, NormalMap, Opacity, OpacityMode, Principled,
-    ScalarInput, SurfaceModel,
+    BumpMap, ColorInput, EmissionSides, Finish, FinishReflection, Material, NormalMap, Opacity, OpacityMode,
+    Principled, ScalarInput, SurfaceModel,
 };
 pub use medium::{Fog, GroundFog, Medium, Phase};
 pub use mesh::{Mesh, mend_normals};

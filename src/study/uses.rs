@@ -27,7 +27,7 @@ pub struct Uses {
     pub specular: bool,
     /// Images on surfaces.
     pub images: bool,
-    /// Normal maps.
+    /// Normal maps and height maps.
     pub normal_maps: bool,
     /// Coverage by alpha.
     pub alpha: bool,
@@ -74,6 +74,7 @@ impl Uses {
         self.alpha |= material.opacity.mode != OpacityMode::Opaque;
         self.media |= !material.interior.is_clear();
         self.normal_maps |= material.normal_map.is_some_and(|n| n.scale != 0.0);
+        self.normal_maps |= material.bump_map.is_some_and(|b| b.scale != 0.0);
         match &material.surface {
             SurfaceModel::Black
             | SurfaceModel::Diffuse { .. }

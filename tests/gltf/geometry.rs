@@ -283,7 +283,7 @@ fn tangents_of_absurd_coordinates_are_unit_vectors_still() {
         let i = m.indices(&[0, 1, 2, 2, 1, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 0, 0, 1]);
         let attributes = json!({"POSITION": p, "NORMAL": n, "TEXCOORD_0": uv});
         m.json["meshes"][0]["primitives"][0] = json!({"attributes": attributes, "indices": i, "material": 0});
-        for mesh in &m.load().meshes {
+        for mesh in m.load().meshes.iter() {
             assert!(mesh.normals.iter().all(|n| n.is_normalized()));
             assert_eq!(mesh.tangents.len(), mesh.positions.len());
             assert!(
@@ -365,10 +365,10 @@ fn morph_targets_are_added_by_the_nodes_weights() {
     primitive["attributes"]["NORMAL"] = json!(n);
     primitive["targets"] = json!([{"POSITION": delta}, {"NORMAL": turn}]);
     m.json["meshes"][0]["weights"] = json!([0.5, 0.0]);
-    let mesh = m.load().meshes.remove(0);
+    let mesh = m.load().meshes[0].clone();
     assert_eq!(positions(&mesh), [[0.0, 0.0, 2.0], [2.0, 0.0, 0.0], [0.0, 2.0, 4.0]]);
     m.json["nodes"][0]["weights"] = json!([0.0, 0.5]);
-    let mesh = m.load().meshes.remove(0);
+    let mesh = m.load().meshes[0].clone();
     assert_eq!(positions(&mesh)[2], [0.0, 2.0, 0.0]);
     assert_eq!(mesh.normals, [Vec3::Y; 3]);
 }
@@ -411,7 +411,7 @@ fn a_mirroring_skeleton_keeps_the_outside_outside() {
     m.json["skins"] = json!([{"joints": [1]}]);
     m.json["nodes"] = json!([{"mesh": 0, "skin": 0}, {"scale": [-1, 1, 1]}]);
     m.json["scenes"][0]["nodes"] = json!([0, 1]);
-    let mesh = m.load().meshes.remove(0);
+    let mesh = m.load().meshes[0].clone();
     assert_eq!(mesh.normals, [Vec3::Z; 3]);
     let [a, b, c] = mesh.triangles[0].map(|i| mesh.positions[i as usize]);
     let sign = if mesh.flip_winding { -1.0 } else { 1.0 };

@@ -172,6 +172,11 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
     {
         add(Bump, format!("normal map \"{image}\""));
     }
+    if let Some(map) = m.bump_map.filter(|b| b.scale != 0.0)
+        && let Some(image) = image_behind(scene, map.texture, 0)
+    {
+        add(Bump, format!("height map \"{image}\""));
+    }
     let a = &m.opacity.alpha;
     if m.opacity.mode != OpacityMode::Opaque && (a.texture.is_some() || a.factor < 1.0) {
         add(Alpha, "coverage below 1".to_owned());

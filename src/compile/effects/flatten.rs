@@ -36,7 +36,7 @@ pub fn images(scene: &mut Scene, files: &dyn Files) {
     }
 }
 
-/// Gives coverage and normal maps textures of their own, which nobody else shares.
+/// Gives coverage, normal maps and height maps textures of their own, which nobody else shares.
 fn keep_shapes(scene: &mut Scene) {
     for i in 0..scene.materials.len() {
         let mut material = scene.materials[i].clone();
@@ -48,6 +48,9 @@ fn keep_shapes(scene: &mut Scene) {
             _ => None,
         };
         for map in [material.normal_map.as_mut(), coat].into_iter().flatten() {
+            map.texture = copy(scene, map.texture, 0);
+        }
+        if let Some(map) = &mut material.bump_map {
             map.texture = copy(scene, map.texture, 0);
         }
         scene.materials[i] = material;

@@ -65,6 +65,7 @@ fn no_lens(camera: &mut Camera) {
 
 fn no_normal_maps(material: &mut Material) {
     material.normal_map = None;
+    material.bump_map = None;
     if let SurfaceModel::Principled(p) = &mut material.surface {
         p.clearcoat_normal = None;
     }

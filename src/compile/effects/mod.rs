@@ -6,6 +6,7 @@
 
 pub mod causes;
 mod flatten;
+mod force;
 mod leave_out;
 mod motion;
 #[cfg(test)]
@@ -20,7 +21,7 @@ use crate::scene::{Material, SurfaceModel, TextureId};
 pub enum Effect {
     /// Images on surfaces.
     Textures,
-    /// Normal maps.
+    /// Normal maps and height maps.
     Bump,
     /// Coverage, and light that passes straight through surfaces.
     Alpha,
@@ -125,11 +126,12 @@ impl Effect {
     }
 }
 
-/// The textures of a material that colour it, normal maps and coverage left out.
+/// The textures of a material that colour it, normal maps, height maps and coverage left out.
 pub fn image_inputs(material: &Material) -> Vec<TextureId> {
     let mut plain = material.clone();
     plain.opacity.alpha.texture = None;
     plain.normal_map = None;
+    plain.bump_map = None;
     if let SurfaceModel::Principled(p) = &mut plain.surface {
         p.clearcoat_normal = None;
     }

@@ -5,9 +5,9 @@ use crate::files::MemoryFiles;
 use crate::math::stats::Pcg;
 use crate::render::technique::Technique;
 use crate::scene::{
-    Camera, ColorInput, EnvironmentKind, Finish, FinishReflection, Fog, Image, ImageId, ImageSource, ImageTexture,
-    Material, Medium, NormalMap, Object, OpacityMode, Phase, Place, Principled, ScalarInput, Scene, Shape,
-    SurfaceModel, Texture,
+    BumpMap, Camera, ColorInput, EnvironmentKind, Finish, FinishReflection, Fog, Image, ImageId, ImageSource,
+    ImageTexture, Material, Medium, NormalMap, Object, OpacityMode, Phase, Place, Principled, ScalarInput, Scene,
+    Shape, SurfaceModel, Texture,
 };
 use glam::{DAffine2, DAffine3, DVec3};
 
@@ -107,6 +107,10 @@ fn material(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> Material {
     m.normal_map = texture
         .filter(|_| chance(rng))
         .map(|texture| NormalMap { texture, scale: 1.0 });
+    m.bump_map = texture.filter(|_| chance(rng)).map(|texture| BumpMap {
+        texture,
+        scale: [0.0, 1.0][rng.next_u32() as usize % 2],
+    });
     m
 }
 

@@ -195,6 +195,10 @@ fn material(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> Material {
         texture: texture(scene, rng),
         scale: one_of(rng, &[0.0, 1.0]),
     });
+    m.bump_map = chance(rng, 4).then(|| BumpMap {
+        texture: texture(scene, rng),
+        scale: one_of(rng, &[0.0, 0.3]),
+    });
     m
 }
 

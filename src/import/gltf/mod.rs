@@ -48,6 +48,11 @@ pub struct GltfOptions {
     pub scene: Option<String>,
     /// Name of the material variant (`KHR_materials_variants`); `None` is the materials as written.
     pub variant: Option<String>,
+    /// Seconds at which the file's animations are shown; without it everything stands as it is written, unless the
+    /// shutter is open for a while (from 0 on then).
+    pub clock: Option<f64>,
+    /// How long the shutter is open, in seconds ≥ 0: what the animations move meanwhile is given a motion.
+    pub shutter: f64,
     /// Whether buffers and images outside the model's folder may be read.
     pub allow_outside: bool,
 }

@@ -5,6 +5,7 @@ use super::expr::is_true;
 use super::{Interp, Num, Parsed, Tok, Value};
 use crate::diag::Span;
 use crate::lang::syntax::{Symbol, Word};
+use std::sync::atomic::Ordering;
 
 const TRUE: f64 = 1.0;
 
@@ -102,8 +103,14 @@ impl Interp<'_> {
             return self.nested(tok.span, |s| s.color_value());
         }
         let variable = match w {
-            Word::Clock => self.options.clock,
-            Word::FinalClock | Word::ClockOn => f64::from(u8::from(self.options.clock != 0.0)),
+            Word::Clock => {
+                self.options.clock_read.store(true, Ordering::Relaxed);
+                self.options.clock
+            }
+            // The same for all moments at which the shutter is open.
+            Word::FinalClock | Word::ClockOn => {
+                f64::from(u8::from(self.options.opening.unwrap_or(self.options.clock) != 0.0))
+            }
             Word::ClockDelta | Word::FrameNumber | Word::InitialFrame | Word::FinalFrame | Word::InitialClock => 0.0,
             Word::Now => 0.0, // a scene must not depend on the day it is rendered
             Word::Version => self.version,

@@ -16,6 +16,7 @@ const RENDER_TEXTS: &[&str] = &[
     "max_depth",
     "seed",
     "filter",
+    "shutter",
 ];
 const GLOBAL_TEXTS: &[&str] = &[
     "assumed_gamma",
@@ -205,6 +206,14 @@ impl Interp<'_> {
             Word::Error => self.scene.defaults.error = Some(self.share("error")?),
             Word::Confidence => self.scene.defaults.confidence = Some(self.share("confidence")?),
             Word::Time => self.scene.defaults.time = Some(self.duration()?),
+            Word::Shutter => {
+                let at = self.peek().span;
+                let v = self.finite("shutter")?;
+                if v < 0.0 {
+                    return Err(self.error("P0317", at, format!("shutter must be 0 or more, found {v}")));
+                }
+                self.scene.defaults.shutter = Some(v);
+            }
             _ => self.scene.defaults.filter = Some(self.filter_kind()?),
         }
         Ok(())

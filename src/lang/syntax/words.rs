@@ -132,7 +132,7 @@ words! {
     FocusDistance "focus_distance" Gaussian "gaussian" Glass "glass" Glossy "glossy" Gltf "gltf" Image "image"
     LensRadius "lens_radius" MaxDepth "max_depth" Metal "metal" Mix "mix" Name "name" Obj "obj"
     Principled "principled" Render "render" Resolution "resolution" Scene "scene" SheenColor "sheen_color"
-    SheenRoughness "sheen_roughness" Sigma "sigma" SpecularColor "specular_color" Spp "spp" Thick "thick"
+    SheenRoughness "sheen_roughness" Shutter "shutter" Sigma "sigma" SpecularColor "specular_color" Spp "spp" Thick "thick"
     Time "time" Translucent "translucent" Transmission "transmission" Variant "variant" Weight "weight"
     NoRadiosity "no_radiosity" Pavement "pavement" Square "square" Tiling "tiling" Triangular "triangular";
 }

@@ -1,8 +1,11 @@
 //! Shading normals: normal maps, and keeping normals visible.
 
-use super::{NormalMap, Shading};
+use super::{BumpMap, NormalMap, Shading};
 use crate::math::robust::try_normalize;
 use glam::{Vec2, Vec3};
+
+#[cfg(test)]
+mod tests;
 
 /// The normal map's normal in world space, on the side of `ns`; `None` without a tangent frame, and where the map leans it
 /// to no side.
@@ -20,6 +23,25 @@ pub(super) fn mapped_normal(map: &NormalMap, cx: &Shading<'_>, ns: Vec3) -> Opti
         bitangent
     };
     let n = try_normalize(tangent * lean.x + bitangent * lean.y + ns * t.z)?;
+    (n.dot(ns) > 0.0).then_some(n)
+}
+
+/// The normal of the surface raised by the map's heights along `ns`; `None` without slopes or a tangent frame. Where the
+/// map is flat it is `ns` to the bit.
+///
+/// It is n − ∇h, normalised: ∇h is the tangent vector whose products with the directions of the image's rows and columns
+/// are the slopes along them, whatever angle these make. Source: Mikkelsen, Bump Mapping Unparametrized Surfaces on the
+/// GPU, 2010, eq. 5.
+pub(super) fn bumped_normal(map: &BumpMap, cx: &Shading<'_>, ns: Vec3) -> Option<Vec3> {
+    let slope = cx.textures.slope(map.texture, cx.attrs)?;
+    let (right, up) = (slope.right * map.scale, slope.up * map.scale);
+    if right == 0.0 && up == 0.0 {
+        return Some(ns);
+    }
+    let along = |v: Vec3| try_normalize(v - ns * ns.dot(v));
+    let (u, v) = (along(slope.to_right)?, along(slope.to_top)?);
+    let gradient = (v.cross(ns) * right + ns.cross(u) * up) / ns.dot(u.cross(v));
+    let n = try_normalize(ns - gradient)?;
     (n.dot(ns) > 0.0).then_some(n)
 }
 
