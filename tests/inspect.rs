@@ -68,11 +68,18 @@ fn effects_are_told_with_their_places() {
     assert_eq!(causes[0]["place"], "a.pts:7:1");
     assert_eq!(causes[0]["why"], "glass of ior 1.5");
     assert_eq!(found["hints"].as_array().map(Vec::len), Some(1));
-    let not_needed = found["not_needed"].to_string();
-    assert!(
-        not_needed.contains("lamp") && not_needed.contains("it is dark"),
-        "{not_needed}"
+    let pruned = found["pruned"].as_array().expect("a list");
+    assert_eq!(pruned.len(), 1, "{pruned:?}");
+    let lamp = &pruned[0];
+    assert_eq!(
+        [&lamp["pass"], &lamp["kind"], &lamp["why"], &lamp["place"]],
+        ["lights", "lamp", "it is dark", "a.pts:4:1"]
     );
+    assert_eq!(
+        (&lamp["saved"]["lights"], &found["saved"]["lights"]),
+        (&1.into(), &1.into())
+    );
+    assert_eq!(found["lights"], 1);
     assert_eq!(found["files"].as_array().map(Vec::len), Some(1));
 }
 
@@ -83,11 +90,37 @@ fn the_text_names_causes_and_what_is_off() {
         "a.pts:7:1: sphere (glass of ior 1.5)",
         "not called for",
         "textures, bump",
-        "it is dark",
+        "pruned\n  lamp          a.pts:4:1: it is dark (1 light)\n  saved in all  1 light\n",
         "hints",
     ] {
         assert!(text.contains(part), "`{part}` is not in\n{text}");
     }
+}
+
+/// `--json` is short for `--format json`; without pruning all lights are counted, and the text says why.
+#[test]
+fn pruning_can_be_turned_off() {
+    let bench = Bench::new();
+    let (text, _) = bench.run(&["inspect", "a.pts", "--no-prune"]);
+    assert!(
+        text.contains("pruned\n                nothing, as --no-prune asks\n"),
+        "{text}"
+    );
+    let short = bench.run(&["inspect", "a.pts", "--no-prune", "--json"]).0;
+    let found: Value = serde_json::from_str(&short).expect("JSON");
+    assert_eq!((&found["prune"], &found["lights"]), (&false.into(), &2.into()));
+    let (_, told) = bench.run(&[
+        "render",
+        "a.pts",
+        "-r",
+        "8x8",
+        "--spp",
+        "4",
+        "--no-prune",
+        "-o",
+        "a.png",
+    ]);
+    assert!(told.contains("--no-prune"), "the command that makes it again: {told}");
 }
 
 /// What is left out is told in the summary and in the picture, and the command that is told to make the picture

@@ -1,7 +1,7 @@
 //! Materials and textures that are used become the engine's recipes.
 
 use super::images::Images;
-use super::prune::{folded, is_at_least, is_nothing};
+use super::prune::{colored, folded, is_at_least, is_nothing};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::render::material as engine;
 use crate::render::medium::CLEAR;
@@ -12,12 +12,14 @@ use crate::scene::{
     OpacityMode, Principled, ScalarInput, Scene, SurfaceModel, TexelFilter, Texture, TextureId, Wrap,
 };
 use glam::{Affine2, DVec3, Vec2, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Compiles materials on demand and remembers them.
 pub struct Materials<'a, 'i> {
     scene: &'a Scene,
     images: &'i mut Images<'a>,
+    /// Materials that vertex colours may reach.
+    colored: BTreeSet<MaterialId>,
     /// Compiled ones by material and whether the shape is open (emission may differ).
     known: BTreeMap<(Option<MaterialId>, bool), u32>,
     textures: BTreeMap<TextureId, Option<u32>>,
@@ -40,6 +42,7 @@ impl<'a, 'i> Materials<'a, 'i> {
         Materials {
             scene,
             images,
+            colored: colored(scene),
             known: BTreeMap::new(),
             textures: BTreeMap::new(),
             scattering: engine::Scattering::from(technique),
@@ -92,7 +95,8 @@ impl<'a, 'i> Materials<'a, 'i> {
         out.normal_map = material.normal_map.as_ref().and_then(|n| self.normal_map(n, diags));
         out.medium = self.media.add(&material.interior);
         out.bump_map = material.bump_map.as_ref().and_then(|b| self.bump_map(b, diags));
-        let folded = folded(self.scene, self.images, &material);
+        let is_colored = id.is_some_and(|id| self.colored.contains(&id));
+        let folded = folded(self.scene, self.images, is_colored, &material);
         (out.ior, out.dispersion, out.interior) = solid(&folded);
         if let (engine::SurfaceModel::Mix { a, b, .. }, SurfaceModel::Mix { weight, .. }) =
             (&out.surface, &folded.surface)
@@ -244,11 +248,7 @@ impl<'a, 'i> Materials<'a, 'i> {
         Some(engine::NormalMap { texture, scale })
     }
 
-    /// A relief without height is none.
     fn bump_map(&mut self, b: &BumpMap, diags: &mut Diagnostics) -> Option<engine::BumpMap> {
-        if b.scale == 0.0 {
-            return None;
-        }
         Some(engine::BumpMap {
             texture: self.texture(b.texture, diags)?,
             scale: b.scale as f32,
@@ -370,21 +370,28 @@ fn wrap(w: Wrap) -> tex::Wrap {
 /// Index of refraction, dispersion (20/Abbe) and whether crossing the surface enters a solid.
 pub(super) fn solid(material: &Material) -> (f32, f32, bool) {
     match &material.surface {
-        SurfaceModel::Glass { ior, abbe, .. } => (*ior as f32, abbe.map_or(0.0, |v| 20.0 / v as f32), true),
+        SurfaceModel::Glass { ior, abbe, .. } => {
+            let dispersion = abbe.map_or(0.0, |v| 20.0 / v as f32);
+            (*ior as f32, spread(dispersion, *ior), true)
+        }
         SurfaceModel::Glossy { ior, .. } => (*ior as f32, 0.0, false),
         SurfaceModel::Principled(p) => {
             let is_metal = p.metallic.texture.is_none() && p.metallic.factor >= 1.0;
             let transmits = p.thick && p.transmission.factor > 0.0 && !is_metal;
             (
                 if p.ior == 0.0 { f32::INFINITY } else { p.ior as f32 },
-                if transmits { p.dispersion as f32 } else { 0.0 },
+                if transmits {
+                    spread(p.dispersion as f32, p.ior)
+                } else {
+                    0.0
+                },
                 transmits,
             )
         }
         SurfaceModel::Finish(f) => {
             let passes = f.filter > 0.0 || f.transmit > 0.0;
             let is_filled = !material.interior.is_clear();
-            let dispersion = if f.ior.is_some() { f.dispersion as f32 } else { 0.0 };
+            let dispersion = f.ior.map_or(0.0, |ior| spread(f.dispersion as f32, ior));
             (
                 f.ior.unwrap_or(1.0) as f32,
                 dispersion,
@@ -397,6 +404,11 @@ pub(super) fn solid(material: &Material) -> (f32, f32, bool) {
         | SurfaceModel::Translucent { .. }
         | SurfaceModel::Mix { .. } => (1.5, 0.0, false),
     }
+}
+
+/// An index of 1 is the same for all wavelengths: it disperses nothing.
+fn spread(dispersion: f32, ior: f64) -> f32 {
+    if ior == 1.0 { 0.0 } else { dispersion }
 }
 
 /// All images that these materials use, so that they can be decoded side by side.

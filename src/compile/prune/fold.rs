@@ -30,19 +30,10 @@ pub struct Facts<'a> {
 impl<'a> Facts<'a> {
     /// About a scene.
     pub fn new(scene: &'a Scene, images: &'a Images<'a>) -> Facts<'a> {
-        let mut colored = BTreeSet::new();
-        drawn(scene, &mut |drawing| {
-            if let Shape::Mesh(id) = drawing.object.shape
-                && scene.meshes.get(id.index()).is_some_and(|m| !m.colors.is_empty())
-            {
-                colored.extend(drawing.material);
-            }
-        });
-        with_parts(scene, &mut colored);
         Facts {
             scene,
             images,
-            colored,
+            colored: colored(scene),
             is_colored: true,
         }
     }
@@ -100,19 +91,33 @@ impl<'a> Facts<'a> {
     }
 }
 
+/// The materials on meshes with vertex colours, parts of mixtures included.
+pub fn colored(scene: &Scene) -> BTreeSet<MaterialId> {
+    let mut colored = BTreeSet::new();
+    drawn(scene, &mut |drawing| {
+        if let Shape::Mesh(id) = drawing.object.shape
+            && scene.meshes.get(id.index()).is_some_and(|m| !m.colors.is_empty())
+        {
+            colored.extend(drawing.material);
+        }
+    });
+    with_parts(scene, &mut colored);
+    colored
+}
+
 /// Folds the inputs of all materials.
 pub fn pass(pruned: &mut Pruned<'_>) {
     pruned.each_material(Pass::Textures, fold);
 }
 
-/// A material whose inputs are numbers where they can be, whatever vertex colours there are. What is a solid and what
-/// not is judged by it, also where nothing is pruned.
-pub fn folded(scene: &Scene, images: &Images<'_>, material: &Material) -> Material {
+/// A material whose inputs are numbers where they can be; `is_colored` if it is on a mesh with vertex colours. What is a
+/// solid and what not is judged by it, also where nothing is pruned.
+pub fn folded(scene: &Scene, images: &Images<'_>, is_colored: bool, material: &Material) -> Material {
     let facts = Facts {
         scene,
         images,
         colored: BTreeSet::new(),
-        is_colored: true,
+        is_colored,
     };
     let mut material = material.clone();
     fold(&facts, &mut material, &mut Notes::default());

@@ -14,6 +14,7 @@ mod fold;
 mod lens;
 mod lights;
 mod media;
+mod motion;
 mod reach;
 mod relief;
 mod sky;
@@ -30,7 +31,7 @@ use crate::diag::Diagnostics;
 use crate::files::Files;
 use crate::scene::{ImageId, Material, Place, Scene};
 use fold::Facts;
-pub(super) use fold::{folded, is_at_least, is_nothing};
+pub(super) use fold::{colored, folded, is_at_least, is_nothing};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -40,6 +41,8 @@ use std::path::PathBuf;
 pub enum Pass {
     /// A pinhole has no plane in focus.
     Lens,
+    /// Keys of motion that are all the same.
+    Motion,
     /// Lamps without light.
     Lights,
     /// An environment without light, a backdrop that is the environment.
@@ -64,8 +67,9 @@ pub enum Pass {
 
 impl Pass {
     /// All of them, in order.
-    pub const ALL: [Pass; 11] = [
+    pub const ALL: [Pass; 12] = [
         Pass::Lens,
+        Pass::Motion,
         Pass::Lights,
         Pass::Sky,
         Pass::Textures,
@@ -82,6 +86,7 @@ impl Pass {
     pub fn word(self) -> &'static str {
         match self {
             Pass::Lens => "lens",
+            Pass::Motion => "motion",
             Pass::Lights => "lights",
             Pass::Sky => "sky",
             Pass::Textures => "textures",
@@ -101,6 +106,7 @@ impl Pass {
         match self {
             Pass::Lights | Pass::Sky | Pass::Unseen => false,
             Pass::Lens
+            | Pass::Motion
             | Pass::Textures
             | Pass::Surfaces
             | Pass::Coverage
@@ -269,6 +275,7 @@ pub fn prune<'s>(scene: &'s Scene, files: &'s dyn Files, diags: &mut Diagnostics
 /// All passes that change something, once.
 fn run(pruned: &mut Pruned<'_>) {
     lens::pass(pruned);
+    motion::pass(pruned);
     lights::pass(pruned);
     sky::pass(pruned);
     fold::pass(pruned);

@@ -1,31 +1,43 @@
-//! Normal maps that leave every normal as it is: of scale 0, or flat in all texels.
+//! Normal maps and reliefs that leave every normal as it is: of scale 0, or flat in all texels.
 //!
 //! Kept to the bit: the engine gives back the very normal where a map leans it to no side.
 
 use super::fold::Facts;
 use super::{Notes, Pass, Pruned};
-use crate::scene::{Material, NormalMap, Texture};
+use crate::scene::{Material, NormalMap, Texture, TextureId};
 
-/// Takes flat normal maps off all materials.
+/// Takes flat maps off all materials.
 pub fn pass(pruned: &mut Pruned<'_>) {
     pruned.each_material(Pass::Relief, flatten);
 }
 
 fn flatten(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
-    let Some(map) = material.normal_map else { return };
-    let why = if map.scale == 0.0 {
-        "its normal map has scale 0"
-    } else if is_flat(facts, &map) {
-        "its normal map is flat"
+    if let Some(map) = material.normal_map
+        && let Some(why) = idle(map.scale, || is_flat(facts, &map))
+    {
+        material.normal_map = None;
+        tell(facts, map.texture, "normal map", why, notes);
+    }
+    if let Some(map) = material.bump_map
+        && let Some(why) = idle(map.scale, || facts.known(map.texture)[..3].iter().all(Option::is_some))
+    {
+        material.bump_map = None;
+        tell(facts, map.texture, "height map", why, notes);
+    }
+}
+
+fn idle(scale: f64, is_flat: impl FnOnce() -> bool) -> Option<&'static str> {
+    if scale == 0.0 {
+        Some("has scale 0")
     } else {
-        return;
-    };
-    material.normal_map = None;
-    notes.told.push(why.to_owned());
-    for image in facts.images_of(map.texture) {
-        notes
-            .images
-            .insert(image, why.replace("its normal map", "a normal map that"));
+        is_flat().then_some("is flat")
+    }
+}
+
+fn tell(facts: &Facts<'_>, texture: TextureId, what: &str, why: &str, notes: &mut Notes) {
+    notes.told.push(format!("its {what} {why}"));
+    for image in facts.images_of(texture) {
+        notes.images.insert(image, format!("as a {what} it {why}"));
     }
 }
 

@@ -179,6 +179,7 @@ fn material(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> Material {
     }
     if chance(rng, 3) {
         m.interior.absorption = DVec3::new(0.3, 0.1, 0.0);
+        m.interior.scattering = one_of(rng, &[DVec3::ZERO, DVec3::new(0.0, 0.4, 0.4)]);
     }
     m.opacity.mode = one_of(
         rng,
@@ -193,6 +194,10 @@ fn material(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> Material {
     m.normal_map = chance(rng, 3).then(|| NormalMap {
         texture: texture(scene, rng),
         scale: one_of(rng, &[0.0, 1.0]),
+    });
+    m.bump_map = chance(rng, 4).then(|| BumpMap {
+        texture: texture(scene, rng),
+        scale: one_of(rng, &[0.0, 0.3]),
     });
     m
 }
@@ -265,6 +270,10 @@ fn scene(seed: u64, plain: bool) -> Scene {
                 shadow: chance(rng, 2),
                 indirect: false,
             };
+        }
+        if chance(rng, 6) {
+            let end = DAffine3::from_translation(one_of(rng, &[DVec3::ZERO, DVec3::X * 0.3]));
+            object.motion = vec![DAffine3::IDENTITY, end];
         }
         if chance(rng, 3) {
             members.push(object);
