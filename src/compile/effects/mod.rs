@@ -7,6 +7,7 @@
 pub mod causes;
 mod flatten;
 mod leave_out;
+mod receivers;
 #[cfg(test)]
 mod tests;
 
