@@ -5,15 +5,16 @@
 //! match over all surface models makes sure that no new one is forgotten.
 
 use super::leave_out::{has_coat, passes};
+use super::receivers::Receivers;
 use super::{Effect, Effect::*, image_inputs};
-use crate::render::technique::{LightPick, Technique};
+use crate::render::technique::Technique;
 use crate::scene::{
     Camera, EnvironmentKind, Material, MaterialId, Medium, Object, OpacityMode, Place, Principled, Scene, Shape,
     SurfaceModel, Texture, TextureId,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Mixtures and products nested deeper than this contain themselves; `compile` refuses them.
+/// Products nested deeper than this contain themselves; `compile` refuses them.
 const DEEPEST: u32 = 64;
 
 /// Who calls for an effect.
@@ -51,7 +52,7 @@ impl Effects {
         self.found.keys().copied()
     }
 
-    fn add(&mut self, effect: Effect, cause: Cause) {
+    pub(super) fn add(&mut self, effect: Effect, cause: Cause) {
         let causes = self.found.entry(effect).or_default();
         match causes
             .iter_mut()
@@ -83,8 +84,10 @@ pub fn of(scene: &Scene, technique: &Technique) -> Effects {
         let m = material
             .and_then(|m| scene.materials.get(m.index()))
             .unwrap_or(&fallback);
-        of_material(scene, m, 0, &mut add);
-        seen.look_at(scene, m, &what, object, 0);
+        let parts = parts(scene, m);
+        of_whole(scene, m, &parts, &mut add);
+        parts.iter().for_each(|part| of_part(scene, part, &mut add));
+        seen.look_at(m, &parts, &what, object);
     }
     of_camera(scene, &mut effects);
     of_air(scene, &mut effects, &mut seen);
@@ -161,29 +164,30 @@ pub(super) fn name(shape: &Shape, name: &str) -> String {
     }
 }
 
-fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effect, String)) {
+/// The material itself and, of a mixture, all parts that may be seen, each once.
+fn parts<'s>(scene: &'s Scene, m: &'s Material) -> Vec<&'s Material> {
+    let (mut found, mut known) = (vec![m], BTreeSet::new());
+    let mut next = 0;
+    while let Some(part) = found.get(next).copied() {
+        next += 1;
+        let SurfaceModel::Mix { a, b, weight } = &part.surface else {
+            continue;
+        };
+        let constant = weight.texture.is_none().then_some(weight.factor);
+        let seen = [(a, constant != Some(1.0)), (b, constant != Some(0.0))];
+        for (id, _) in seen.into_iter().filter(|(id, seen)| *seen && known.insert(**id)) {
+            found.extend(scene.materials.get(id.index()));
+        }
+    }
+    found
+}
+
+fn of_part(scene: &Scene, m: &Material, add: &mut dyn FnMut(Effect, String)) {
     let inputs = image_inputs(m).into_iter();
     let images: BTreeSet<String> = inputs.filter_map(|t| image_behind(scene, t, 0)).collect();
     images
         .into_iter()
         .for_each(|image| add(Textures, format!("image \"{image}\"")));
-    if let Some(map) = m.normal_map.filter(|n| n.scale != 0.0)
-        && let Some(image) = image_behind(scene, map.texture, 0)
-    {
-        add(Bump, format!("normal map \"{image}\""));
-    }
-    if let Some(map) = m.bump_map.filter(|b| b.scale != 0.0)
-        && let Some(image) = image_behind(scene, map.texture, 0)
-    {
-        add(Bump, format!("height map \"{image}\""));
-    }
-    let a = &m.opacity.alpha;
-    if m.opacity.mode != OpacityMode::Opaque && (a.texture.is_some() || a.factor < 1.0) {
-        add(Alpha, "coverage below 1".to_owned());
-    }
-    if lets_in(&m.surface) {
-        doings(&m.interior).for_each(|does| add(Media, does.to_owned()));
-    }
     match &m.surface {
         SurfaceModel::Black | SurfaceModel::Diffuse { .. } => {}
         SurfaceModel::Specular { .. } => add(Specular, "mirror".to_owned()),
@@ -232,20 +236,41 @@ fn of_material(scene: &Scene, m: &Material, depth: u32, add: &mut dyn FnMut(Effe
                 add(Translucent, format!("diffuse {} on the far side", f.diffuse_back));
             }
         }
-        SurfaceModel::Mix { a, b, weight } if depth < DEEPEST => {
-            let constant = weight.texture.is_none().then_some(weight.factor);
-            let parts = [(a, constant != Some(1.0)), (b, constant != Some(0.0))];
-            for (part, _) in parts.into_iter().filter(|(_, seen)| *seen) {
-                if let Some(part) = scene.materials.get(part.index()) {
-                    of_material(scene, part, depth + 1, add);
-                }
-            }
-        }
-        SurfaceModel::Mix { .. } => {}
+        SurfaceModel::Mix { .. } => {} // its parts are looked at themselves
     }
 }
 
-/// Whether light gets into a solid of this surface, so that what fills it matters. The parts of a mixture count alone.
+/// What a material does as a whole: bend normals, leave holes, fill the inside. Normals and coverage of a mixture's parts
+/// are not looked at.
+fn of_whole(scene: &Scene, m: &Material, parts: &[&Material], add: &mut dyn FnMut(Effect, String)) {
+    if let Some(map) = m.normal_map.filter(|n| n.scale != 0.0)
+        && let Some(image) = image_behind(scene, map.texture, 0)
+    {
+        add(Bump, format!("normal map \"{image}\""));
+    }
+    if let Some(map) = m.bump_map.filter(|b| b.scale != 0.0)
+        && let Some(image) = image_behind(scene, map.texture, 0)
+    {
+        add(Bump, format!("height map \"{image}\""));
+    }
+    let a = &m.opacity.alpha;
+    if m.opacity.mode != OpacityMode::Opaque && (a.texture.is_some() || a.factor < 1.0) {
+        add(Alpha, "coverage below 1".to_owned());
+    }
+    let media = filled(m, parts).into_iter();
+    media.flat_map(doings).for_each(|does| add(Media, does.to_owned()));
+}
+
+/// The media that fill a solid of this material where light gets in. A mixture is filled as a whole, or as its parts are.
+pub(super) fn filled<'s>(m: &'s Material, parts: &[&'s Material]) -> Vec<&'s Medium> {
+    let open: Vec<&Material> = parts.iter().copied().filter(|part| lets_in(&part.surface)).collect();
+    if !open.is_empty() && !m.interior.is_clear() {
+        return vec![&m.interior];
+    }
+    open.into_iter().map(|part| &part.interior).collect()
+}
+
+/// Whether light gets into a solid of this surface, so that what fills it matters.
 fn lets_in(surface: &SurfaceModel) -> bool {
     match surface {
         SurfaceModel::Glass { .. } => true,
@@ -261,7 +286,7 @@ fn lets_in(surface: &SurfaceModel) -> bool {
 }
 
 /// What a medium does.
-fn doings(m: &Medium) -> impl Iterator<Item = &'static str> {
+fn doings(m: &Medium) -> impl Iterator<Item = &'static str> + use<> {
     let all = [
         ("absorption", m.absorption),
         ("scattering", m.scattering),
@@ -372,103 +397,4 @@ fn of_environment(scene: &Scene, effects: &mut Effects, seen: &mut Receivers) {
         seen.lights.push(cause.clone());
     }
     effects.add(Environment, cause);
-}
-
-/// What takes two or three to come about.
-#[derive(Default)]
-struct Receivers {
-    /// Surfaces that scatter light widely.
-    rough: Vec<Cause>,
-    /// Surfaces that throw light in one direction.
-    casters: Vec<Cause>,
-    /// Lights that are seen under a small angle, or vary.
-    lights: Vec<Cause>,
-    /// Media that shine: they light the scene, but nobody samples them.
-    glows: bool,
-}
-
-impl Receivers {
-    fn look_at(&mut self, scene: &Scene, m: &Material, what: &str, object: &Object, depth: u32) {
-        let cause = |why: &str| Cause {
-            what: what.to_owned(),
-            why: why.to_owned(),
-            place: object.place.clone(),
-            times: 1,
-        };
-        if m.emission.factor.max_element() > 0.0 && object.visibility.indirect {
-            self.lights.push(cause("emits"));
-        }
-        let (rough, casts) = match &m.surface {
-            SurfaceModel::Black => (false, false),
-            SurfaceModel::Diffuse { .. } | SurfaceModel::Translucent { .. } => (true, false),
-            SurfaceModel::Specular { .. } | SurfaceModel::Glass { .. } => (false, true),
-            SurfaceModel::Glossy { metal, .. } => (!metal, true),
-            SurfaceModel::Principled(p) => {
-                let casts = has_coat(p) || p.metallic.factor > 0.0 || p.transmission.factor > 0.0;
-                (p.metallic.factor < 1.0 && p.transmission.factor < 1.0, casts)
-            }
-            SurfaceModel::Finish(f) => {
-                let casts =
-                    f.reflection.is_some() || (f.ior.is_some() && passes(f)) || f.phong > 0.0 || f.specular > 0.0;
-                (f.diffuse > 0.0 || f.diffuse_back > 0.0, casts)
-            }
-            SurfaceModel::Mix { a, b, .. } => {
-                for part in [a, b].into_iter().filter(|_| depth < DEEPEST) {
-                    if let Some(part) = scene.materials.get(part.index()) {
-                        self.look_at(scene, part, what, object, depth + 1);
-                    }
-                }
-                (false, false)
-            }
-        };
-        if lets_in(&m.surface) {
-            self.look_into(&m.interior, what, &object.place);
-        }
-        self.rough.extend(rough.then(|| cause("scatters")));
-        self.casters.extend(casts.then(|| cause("mirrors or bends light")));
-    }
-
-    /// A medium that scatters is a receiver as rough surfaces are.
-    fn look_into(&mut self, m: &Medium, what: &str, place: &Place) {
-        self.glows |= m.emission.max_element() > 0.0;
-        if m.scattering.max_element() > 0.0 {
-            self.rough.push(Cause {
-                what: what.to_owned(),
-                why: "scatters inside".to_owned(),
-                place: place.clone(),
-                times: 1,
-            });
-        }
-    }
-
-    fn conclude(mut self, scene: &Scene, technique: &Technique, effects: &mut Effects) {
-        for light in scene.lights.iter().filter(|l| l.color.max_element() > 0.0) {
-            let what = if light.name.is_empty() {
-                "lamp".to_owned()
-            } else {
-                format!("lamp \"{}\"", light.name)
-            };
-            self.lights.push(Cause {
-                what,
-                why: "shines".to_owned(),
-                place: light.place.clone(),
-                times: 1,
-            });
-        }
-        let is_lit = !self.lights.is_empty() || self.glows || effects.has(Environment);
-        if technique.max_depth > 1 && is_lit {
-            let scatter = self.rough.iter().chain(&self.casters);
-            scatter.cloned().for_each(|cause| effects.add(Indirect, cause));
-        }
-        let chain = [&self.casters, &self.lights, &self.rough];
-        if technique.caustics && technique.max_depth > 1 && chain.iter().all(|c| !c.is_empty()) {
-            self.casters
-                .iter()
-                .cloned()
-                .for_each(|cause| effects.add(Caustics, cause));
-        }
-        if self.lights.len() > 1 && technique.lights == LightPick::Tree {
-            self.lights.into_iter().for_each(|cause| effects.add(LightTree, cause));
-        }
-    }
 }

@@ -261,6 +261,62 @@ fn an_effect_that_is_left_out_is_gone_and_others_do_not_come() {
     }
 }
 
+/// Mixtures of mixtures that share their parts have 2⁴⁰ ways through them; each part counts once.
+#[test]
+fn parts_that_are_shared_are_looked_at_once() {
+    let mut scene = Scene::default();
+    let mut id = scene.add_material(Material::new(SurfaceModel::Specular {
+        color: DVec3::ONE.into(),
+    }));
+    for _ in 0..40 {
+        let weight = 0.5.into();
+        id = scene.add_material(Material::new(SurfaceModel::Mix { a: id, b: id, weight }));
+    }
+    let ball = Shape::Sphere {
+        center: DVec3::ZERO,
+        radius: 1.0,
+    };
+    scene.objects.push(Object::new(ball).with_material(id));
+    let effects = causes::of(&scene, &Technique::default());
+    let times: Vec<u64> = effects.causes(Effect::Specular).iter().map(|c| c.times).collect();
+    assert_eq!(times, [1]);
+}
+
+/// What a solid is filled with counts where light gets in, and only there.
+#[test]
+fn a_medium_that_no_light_reaches_is_no_effect() {
+    let has_media = |surface: SurfaceModel| {
+        let mut scene = Scene::default();
+        let mut material = Material::new(surface);
+        material.interior.scattering = DVec3::ONE;
+        let id = scene.add_material(material);
+        let ball = Shape::Sphere {
+            center: DVec3::ZERO,
+            radius: 1.0,
+        };
+        scene.objects.push(Object::new(ball).with_material(id));
+        causes::of(&scene, &Technique::default()).has(Effect::Media)
+    };
+    let finish = |filter: f64| {
+        SurfaceModel::Finish(Box::new(Finish {
+            filter,
+            ..Finish::default()
+        }))
+    };
+    assert!(has_media(finish(0.5)) && !has_media(finish(0.0)));
+    let principled = |transmission: f64, thick: bool| {
+        SurfaceModel::Principled(Box::new(Principled {
+            transmission: transmission.into(),
+            thick,
+            ..Principled::default()
+        }))
+    };
+    assert!(
+        has_media(principled(0.1, true)) && !has_media(principled(0.0, true)) && !has_media(principled(0.1, false))
+    );
+    assert!(!has_media(SurfaceModel::Black));
+}
+
 #[test]
 fn words_lead_back_to_their_effects() {
     for (i, effect) in Effect::ALL.into_iter().enumerate() {

@@ -37,10 +37,23 @@ pub struct Layer {
     pub pigment: Rc<Pigment>,
     /// Light response.
     pub finish: Rc<FinishDesc>,
-    /// Where a normal is perturbed, if it is.
-    pub normal: Option<Span>,
+    /// How the normal is perturbed, if it is.
+    pub normal: Option<Rc<NormalDesc>>,
     /// Where it was written, unless it is the default.
     pub span: Option<Span>,
+}
+
+/// `normal { … }`.
+#[derive(Clone, Debug)]
+pub struct NormalDesc {
+    /// The image of heights, if it is a `bump_map`; other patterns are not drawn yet.
+    pub bump: Option<Rc<ImageDesc>>,
+    /// `bump_size`: height of white over black, in texels.
+    pub size: f64,
+    /// Whether it goes by the surface's own coordinates (`uv_mapping`).
+    pub uv: bool,
+    /// Where it was written.
+    pub span: Span,
 }
 
 /// A colour, or the average colour of a pattern.
@@ -139,6 +152,8 @@ pub struct SurfaceDesc {
     pub model: ModelSurface,
     /// `emission`, in the scene's working gamma.
     pub emission: Option<Rc<Pigment>>,
+    /// How the normal is perturbed, if it is.
+    pub normal: Option<Rc<NormalDesc>>,
     /// How deep mixes are nested in it.
     pub depth: u32,
     /// Where it was written.

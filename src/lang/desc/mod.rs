@@ -6,7 +6,8 @@ mod look;
 
 pub use air::{FogDesc, MediaDesc};
 pub use look::{
-    FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, Pigment, PrincipledDesc, SurfaceDesc,
+    FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, NormalDesc, Pigment, PrincipledDesc,
+    SurfaceDesc,
 };
 
 use crate::diag::Span;
@@ -26,8 +27,8 @@ pub enum Desc {
     Pigment(Rc<Pigment>),
     /// A finish.
     Finish(Rc<FinishDesc>),
-    /// A normal: noted, not drawn yet.
-    Normal(Span),
+    /// A normal.
+    Normal(Rc<NormalDesc>),
     /// An interior.
     Interior(Rc<InteriorDesc>),
     /// A material.

@@ -3,9 +3,9 @@
 
 use super::emit_material::Materials;
 use crate::diag::{Diagnostic, Span};
-use crate::lang::desc::{Look, ModelDesc, ObjectDesc, ShapeDesc};
+use crate::lang::ModelRequest;
+use crate::lang::desc::{ImageDesc, Look, ModelDesc, ObjectDesc, Pigment, ShapeDesc};
 use crate::lang::eval::Interp;
-use crate::lang::{ModelRequest, desc::Pigment};
 use crate::scene::{
     ColorInput, Encoding, GroupId, Image, ImageId, ImageSource, ImageTexture, Light, MeshId, Object, Place, Scene,
     Shape, TexelFilter, Texture, TextureId, Wrap,
@@ -261,9 +261,27 @@ impl Interp<'_> {
         let (Some(image), true) = (&p.image, p.uv) else {
             return self.pigment_color(p).into();
         };
+        let encoding = if self.display_is_linear() {
+            Encoding::Linear
+        } else {
+            Encoding::Srgb
+        };
+        ColorInput {
+            factor: DVec3::ONE,
+            texture: self.image_texture(image, encoding, out),
+        }
+    }
+
+    /// The texture of an image; a missing file is an error.
+    pub(super) fn image_texture(
+        &mut self,
+        image: &ImageDesc,
+        encoding: Encoding,
+        out: &mut Scene,
+    ) -> Option<TextureId> {
         let Some(path) = &image.path else {
             self.error("P0501", image.span, format!("cannot find \"{}\"", image.name));
-            return DVec3::ONE.into();
+            return None;
         };
         let source = ImageSource::File(path.clone());
         let known = out.images.iter().position(|i| i.source == source);
@@ -287,18 +305,10 @@ impl Interp<'_> {
             } else {
                 TexelFilter::Nearest
             },
-            encoding: if self.display_is_linear() {
-                Encoding::Linear
-            } else {
-                Encoding::Srgb
-            },
+            encoding,
         });
         let known = out.textures.iter().position(|t| *t == texture);
-        let texture = known.map_or_else(|| out.add_texture(texture), |i| TextureId(i as u32));
-        ColorInput {
-            factor: DVec3::ONE,
-            texture: Some(texture),
-        }
+        Some(known.map_or_else(|| out.add_texture(texture), |i| TextureId(i as u32)))
     }
 
     /// The linear rgb of a pigment, patterns being told.

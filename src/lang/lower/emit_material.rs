@@ -1,9 +1,9 @@
 //! Looks to materials of the IR: POV-Ray's layers and the language's own surfaces. Equal looks give one material.
 
 use crate::diag::{Diagnostic, Span};
-use crate::lang::desc::{FinishDesc, InteriorDesc, Layer, Look, ModelSurface, SurfaceDesc};
+use crate::lang::desc::{FinishDesc, InteriorDesc, Layer, Look, ModelSurface, NormalDesc, SurfaceDesc};
 use crate::lang::eval::Interp;
-use crate::scene::{Finish, Material, MaterialId, Medium, Place, Scene, SurfaceModel};
+use crate::scene::{BumpMap, Encoding, Finish, Material, MaterialId, Medium, Place, Scene, SurfaceModel};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -97,9 +97,11 @@ impl Interp<'_> {
         };
         let mut material = self.layer_material(first, interior, (tint, false), out);
         for (layer, opacity, tint) in above.into_iter().rev() {
-            let over = self.layer_material(layer, interior, (tint, true), out);
+            let mut over = self.layer_material(layer, interior, (tint, true), out);
             let place = over.place.clone();
             let emission = material.emission.factor * (1.0 - opacity) + over.emission.factor * opacity;
+            // A mixture has one normal: the upper layer's, where it has one.
+            let bump_map = over.bump_map.take().or(material.bump_map.take());
             let (a, b) = (add(material, out, done), add(over, out, done));
             material = Material::new(SurfaceModel::Mix {
                 a,
@@ -107,6 +109,7 @@ impl Interp<'_> {
                 weight: opacity.into(),
             });
             material.emission = emission.into();
+            material.bump_map = bump_map;
             material.place = place;
         }
         material
@@ -120,13 +123,7 @@ impl Interp<'_> {
         (tint, solid): (DVec3, bool),
         out: &mut Scene,
     ) -> Material {
-        if let Some(at) = layer.normal {
-            self.warn_once(
-                "P0409",
-                at,
-                "`normal` is not supported yet: the surface is drawn smooth",
-            );
-        }
+        let bump_map = layer.normal.as_ref().and_then(|n| self.relief(n, out));
         let mut input = self.pigment_input(&layer.pigment, out);
         let rgb = input.factor * tint;
         if rgb.min_element() < 0.0 {
@@ -161,8 +158,25 @@ impl Interp<'_> {
         if material.emission.factor != DVec3::ZERO {
             material.emission.texture = input.texture;
         }
+        material.bump_map = bump_map;
         material.place = layer.span.map_or(Place::None, Place::Text);
         material
+    }
+
+    /// A height map on the surface's own coordinates; what else a normal may say is told and left out.
+    fn relief(&mut self, n: &NormalDesc, out: &mut Scene) -> Option<BumpMap> {
+        let what = match (&n.bump, n.uv) {
+            (Some(image), true) => {
+                return self
+                    .image_texture(image, Encoding::Linear, out)
+                    .map(|texture| BumpMap { texture, scale: n.size });
+            }
+            (Some(_), false) => "`bump_map` without `uv_mapping`",
+            (None, _) => "`normal`",
+        };
+        let message = format!("{what} is not supported yet: the surface is drawn smooth");
+        self.warn_once("P0409", n.span, message);
+        None
     }
 
     /// 20/Abbe of an interior of this index whose indices of violet and red have this ratio.
@@ -276,6 +290,8 @@ impl Interp<'_> {
             let of = |id: &MaterialId| out.materials.get(id.index()).map_or(DVec3::ZERO, |m| m.emission.factor);
             let w = weight.factor;
             material.emission = (of(a) * (1.0 - w) + of(b) * w).into();
+            let relief = |id: &MaterialId| out.materials.get(id.index()).and_then(|m| m.bump_map);
+            material.bump_map = relief(a).or(relief(b));
         }
         if let Some(emission) = &s.emission {
             let input = self.pigment_input(emission, out);
@@ -285,6 +301,9 @@ impl Interp<'_> {
                 self.error("P0311", s.span, "emission must not be negative");
             }
             material.emission = (material.emission.factor + radiance).into();
+        }
+        if let Some(normal) = &s.normal {
+            material.bump_map = self.relief(normal, out);
         }
         material.interior = inside;
         material.place = Place::Text(s.span);

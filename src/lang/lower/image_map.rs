@@ -9,29 +9,54 @@ impl Interp<'_> {
     /// An image map, beginning with its word. `None` if it names no file (a function's image, for instance).
     pub fn image_map(&mut self) -> Parsed<Option<Rc<ImageDesc>>> {
         self.bump();
+        let mut image = None;
         if self.peek().t != T::Mark(b'{') {
-            return self.image_items(); // `image_map png "file"`, the old form
+            self.image_items(&mut image)?; // `image_map png "file"`, the old form
+            return Ok(image.map(Rc::new));
         }
         self.block(|s| {
-            let image = s.image_items()?;
+            s.image_items(&mut image)?;
             let depth = s.depth();
             // What is left (gamma, an image function's numbers) does not change what is shown.
             while !(s.peek().t == T::Mark(b'}') && s.depth() == depth) && s.peek().t != T::End {
                 s.bump();
             }
-            Ok(image)
+            Ok(image.map(Rc::new))
         })
     }
 
-    fn image_items(&mut self) -> Parsed<Option<Rc<ImageDesc>>> {
-        let mut image: Option<ImageDesc> = None;
+    /// A bump map, beginning with its word: the image of heights, and `bump_size` if it is written here.
+    pub fn bump_map(&mut self, size: &mut f64) -> Parsed<Option<Rc<ImageDesc>>> {
+        self.bump();
+        self.block(|s| {
+            let depth = s.depth();
+            let mut image = None;
+            loop {
+                s.image_items(&mut image)?;
+                match s.peek().t {
+                    T::End => return Ok(image.map(Rc::new)),
+                    T::Mark(b'}') if s.depth() == depth => return Ok(image.map(Rc::new)),
+                    T::Word(Word::BumpSize) => {
+                        s.bump();
+                        *size = s.finite("bump_size")?;
+                    }
+                    _ => {
+                        s.bump();
+                    }
+                }
+            }
+        })
+    }
+
+    /// The file and what is known to change it; stops at the first word that is not.
+    fn image_items(&mut self, image: &mut Option<ImageDesc>) -> Parsed<()> {
         loop {
             let tok = self.peek();
             match tok.t {
                 _ if image.is_none() && self.starts_text() => {
                     let name = self.text("the image's file")?.to_string();
                     let path = self.locate(&name, tok.span, &["", ".png", ".jpg"])?;
-                    image = Some(ImageDesc {
+                    *image = Some(ImageDesc {
                         name,
                         path,
                         once: false,
@@ -58,14 +83,14 @@ impl Interp<'_> {
                 }
                 T::Word(Word::Once) => {
                     self.bump();
-                    if let Some(i) = &mut image {
+                    if let Some(i) = image {
                         i.once = true;
                     }
                 }
                 T::Word(Word::Interpolate) => {
                     self.bump();
                     let method = self.finite("interpolation")?;
-                    if let Some(i) = &mut image {
+                    if let Some(i) = image {
                         i.smooth = method > 0.0;
                     }
                 }
@@ -81,7 +106,7 @@ impl Interp<'_> {
                 T::Mark(b',') => {
                     self.bump();
                 }
-                _ => return Ok(image.map(Rc::new)),
+                _ => return Ok(()),
             }
         }
     }

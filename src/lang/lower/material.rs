@@ -15,6 +15,7 @@ const MATERIAL_TEXTS: &[&str] = &[
     "principled",
     "mix",
     "emission",
+    "normal",
     "texture",
     "interior",
 ];
@@ -30,6 +31,7 @@ impl Interp<'_> {
         let mut look = Look::default();
         let mut model: Option<(ModelSurface, Span)> = None;
         let mut emission: Option<(Rc<Pigment>, Span)> = None;
+        let mut normal = None;
         loop {
             let tok = self.peek_item();
             match tok.t {
@@ -50,6 +52,7 @@ impl Interp<'_> {
                     self.bump();
                     self.skip_block()?;
                 }
+                T::Word(Word::Normal) => normal = Some(self.normal()?),
                 T::Word(Word::Emission) => {
                     self.bump();
                     emission = Some((self.color_source()?, tok.span));
@@ -82,7 +85,14 @@ impl Interp<'_> {
                 _ => return Err(self.unexpected("`material`", MATERIAL_TEXTS, tok)),
             }
         }
-        self.assemble(look, model, emission)
+        let mut look = self.assemble(look, model, emission)?;
+        let Some(normal) = normal else { return Ok(look) };
+        if let Some(surface) = &mut look.surface {
+            Rc::make_mut(surface).normal = Some(normal);
+            return Ok(look);
+        }
+        let d = Diagnostic::error("P0312", "`normal` in `material` needs a surface beside it").at(normal.span, "");
+        Err(self.report(d.hint("write it inside the `texture { … }`")))
     }
 
     fn assemble(
@@ -106,6 +116,7 @@ impl Interp<'_> {
                     depth,
                     model,
                     emission: emission.map(|e| e.0),
+                    normal: None,
                     span,
                 }));
             }
@@ -122,6 +133,7 @@ impl Interp<'_> {
                         depth: 0,
                         model: ModelSurface::Black,
                         emission: Some(color),
+                        normal: None,
                         span,
                     }));
                 }

@@ -137,6 +137,7 @@ impl Interp<'_> {
             Desc::Material(look) => apply_look(&mut object.look, look),
             Desc::Interior(i) => object.look.interior = Some(i),
             Desc::Pigment(p) => self.edit_layer(&mut object.look, tok, |l| l.pigment = p),
+            Desc::Normal(n) => self.edit_layer(&mut object.look, tok, |l| l.normal = Some(n)),
             Desc::Finish(f) => self.edit_layer(&mut object.look, tok, |l| l.finish = f),
             Desc::Transform(t) => object.transform = t * object.transform,
             _ => return Ok(false),
@@ -177,6 +178,9 @@ fn use_uv(look: &mut Look) {
     let mapped = layers.iter().map(|l| {
         let mut layer = (**l).clone();
         Rc::make_mut(&mut layer.pigment).uv = true;
+        if let Some(normal) = &mut layer.normal {
+            Rc::make_mut(normal).uv = true;
+        }
         Rc::new(layer)
     });
     look.layers = Some(mapped.collect());

@@ -2,10 +2,13 @@
 
 use super::pattern::is_pattern;
 use super::transform::TRANSFORM_TEXTS;
-use crate::lang::desc::{Desc, Layer, Layers};
+use crate::lang::desc::{Desc, Layer, Layers, NormalDesc};
 use crate::lang::eval::{Interp, Parsed, Stop, T, Value};
 use crate::lang::syntax::Word;
 use std::rc::Rc;
+
+/// `bump_size` where none is written, as in POV-Ray.
+const DEFAULT_BUMP_SIZE: f64 = 0.5;
 
 /// Words of a texture.
 const TEXTURE_TEXTS: &[&str] = &[
@@ -113,6 +116,9 @@ impl Interp<'_> {
             None => {
                 if uv {
                     Rc::make_mut(&mut layer.pigment).uv = true;
+                    if let Some(normal) = &mut layer.normal {
+                        Rc::make_mut(normal).uv = true;
+                    }
                 }
                 layers.push(Rc::new(layer));
                 Ok(layers.into())
@@ -139,10 +145,48 @@ impl Interp<'_> {
         })
     }
 
-    /// `normal { … }`: read over; where it stands, so that leaving it out can be told.
-    pub fn normal(&mut self) -> Parsed<crate::diag::Span> {
+    /// `normal { … }`: its height map, all else read over.
+    pub fn normal(&mut self) -> Parsed<Rc<NormalDesc>> {
         let span = self.bump().span;
-        self.skip_block()?;
-        Ok(span)
+        self.block(|s| {
+            let mut normal = NormalDesc {
+                bump: None,
+                size: DEFAULT_BUMP_SIZE,
+                uv: false,
+                span,
+            };
+            let depth = s.depth();
+            loop {
+                let tok = s.peek();
+                if let Some(stop) = s.bad_token(tok) {
+                    return Err(stop);
+                }
+                match tok.t {
+                    T::End => return Ok(Rc::new(normal)),
+                    T::Mark(b'}') if s.depth() == depth => return Ok(Rc::new(normal)),
+                    T::Mark(b'{') => s.skip_block()?,
+                    T::Word(Word::BumpMap) => normal.bump = s.bump_map(&mut normal.size)?,
+                    T::Word(Word::BumpSize) => {
+                        s.bump();
+                        normal.size = s.finite("bump_size")?;
+                    }
+                    T::Word(Word::UvMapping) => {
+                        s.bump();
+                        normal.uv = true;
+                    }
+                    T::Name(n) if matches!(s.scopes.get(n), Some(Value::Desc(Desc::Normal(_)))) => {
+                        if let Value::Desc(Desc::Normal(named)) = s.take_value()? {
+                            normal = NormalDesc {
+                                span,
+                                ..(*named).clone()
+                            };
+                        }
+                    }
+                    _ => {
+                        s.bump();
+                    }
+                }
+            }
+        })
     }
 }
