@@ -49,7 +49,7 @@ pub fn cases() -> Vec<Case> {
 
 fn solid_angle(s: f64) -> Case {
     let set = lamp(s, 1.0, 1.0);
-    let sample = set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, Vec2::splat(0.5));
+    let sample = set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, Vec2::splat(0.5), 0.0);
     // 1 − √(1 − s²) without cancellation.
     let exact = TAU * s * s / (1.0 + (1.0 - s * s).sqrt());
     Case {
@@ -67,7 +67,7 @@ fn rim() -> Case {
     let s = 1e-3f64;
     let set = lamp(s, 1.0, 1.0);
     let sine = |wi: Vec3| f64::from(wi.x).hypot(f64::from(wi.z));
-    let ours = even().filter_map(|u| set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, u));
+    let ours = even().filter_map(|u| set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, u, 0.0));
     let mean = |sum: f64| sum / f64::from(SAMPLES) / s;
     let one_minus_cos = naive::one_minus_cos(s as f32, 1.0);
     Case {
@@ -84,7 +84,7 @@ fn rim() -> Case {
 /// Irradiance over π and radiance, by light samples.
 fn irradiance(set: &LightSet) -> f64 {
     let sum: f64 = even()
-        .filter_map(|u| set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, u))
+        .filter_map(|u| set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, u, 0.0))
         .map(|s| f64::from(s.radiance.x) * f64::from(s.wi.y) / f64::from(s.pdf))
         .sum();
     sum / f64::from(SAMPLES) / PI
@@ -108,7 +108,7 @@ fn huge_near() -> Case {
     let exact = TAU * (1.0 - (gap * (2.0 * radius + gap)).sqrt() / (radius + gap));
     let by_cosine = naive::one_minus_cos(radius as f32, (radius + gap) as f32);
     let set = lamp(radius, radius + gap, 1.0);
-    let sample = set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, Vec2::splat(0.5));
+    let sample = set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, Vec2::splat(0.5), 0.0);
     Case {
         item: "62",
         what: "solid angle of a ball of R = 1e4 that is 0.5 away".into(),
@@ -145,7 +145,7 @@ fn lost() -> Case {
         for u in even().step_by(LAMPS) {
             let wi = Frame::from_normal(axis).to_world(uniform_cone(u, x)).normalize();
             by_hits.push(naive::sphere(Vec3::ZERO, wi, center.as_vec3(), radius as f32, naive::EPS).is_none());
-            let blocked = set.sample(Vec3::ZERO, axis, false, 0.5, u).is_none_or(|sample| {
+            let blocked = set.sample(Vec3::ZERO, axis, false, 0.5, u, 0.0).is_none_or(|sample| {
                 let mut ray = Ray::new(Vec3::ZERO, sample.wi);
                 (ray.t_max, ray.to, ray.mask) = (sample.t_max, sample.to, ray_mask::SHADOW);
                 geometry.occluded(&ray)
@@ -168,7 +168,7 @@ fn inside() -> Case {
     // A receiver that rounding has put inside the lamp that it touches.
     let (radius, distance) = (1.0f32, 0.999_999_9f32);
     let set = lamp(f64::from(radius), f64::from(distance), 1.0);
-    let found = set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, Vec2::splat(0.5));
+    let found = set.sample(Vec3::ZERO, Vec3::Y, false, 0.5, Vec2::splat(0.5), 0.0);
     Case {
         item: "60",
         what: "light sampled from a point 1e-7 R inside of a lamp that shines outwards".into(),
