@@ -205,7 +205,8 @@ impl<'a> Kernel<'a> {
             pdf: None,
             way: Way::Any,
         };
-        let mut media = self.media_around(&ray);
+        let mut media = self.camera_media.clone();
+        self.update_media(&mut media, &ray);
         let mut left: Option<DVec3> = None;
         let mut bounce = 1u32; // 1 is the first surface
         let mut passes = 0u32;
