@@ -8,11 +8,8 @@ pub mod causes;
 mod flatten;
 mod force;
 mod leave_out;
-<<<<<<< HEAD
 mod motion;
-=======
 mod receivers;
->>>>>>> media
 #[cfg(test)]
 mod tests;
 
