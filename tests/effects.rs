@@ -60,7 +60,10 @@ fn forcing_an_effect_of_the_scene_changes_no_bit() {
         let plain = pixels(&compiled(&scene, &files, &technique));
         let of_scene = || Effect::ALL.into_iter().filter(|e| !e.is_strategy());
         let unused: Vec<Effect> = of_scene().filter(|e| !effects.has(*e)).collect();
-        assert!(unused.contains(&Effect::Motion) || name.contains("motion"), "{name}: {unused:?}");
+        assert!(
+            unused.contains(&Effect::Motion) || name.contains("motion"),
+            "{name}: {unused:?}"
+        );
         let alone = unused.iter().map(|e| vec![*e]);
         for forced in alone.chain([of_scene().collect()]) {
             let mut more = compiled(&scene, &files, &technique);
