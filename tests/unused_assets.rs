@@ -251,6 +251,47 @@ fn opened_by(command: &mut Command, directory: &Path) -> Option<Vec<String>> {
     Some(calls.lines().map(str::to_owned).collect())
 }
 
+/// Of a text it names the files that only unused declarations name, with their places.
+#[test]
+fn inspect_names_files_of_unused_declarations() {
+    let bench = Bench::new();
+    bench.text(true);
+    bench.add_huge();
+    let output = bench
+        .command(&["inspect", "a.pts", "--json"])
+        .output()
+        .expect("it starts");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success() && told.contains("note"),
+        "a missing model is a note: {told}"
+    );
+    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let pruned = found["pruned"].as_array().expect("a list");
+    let named = |name: &str| {
+        pruned
+            .iter()
+            .find(|p| p["name"].as_str().is_some_and(|n| n.ends_with(name)))
+            .cloned()
+    };
+    for (name, kind) in [
+        ("huge.png", "image"),
+        ("alpha.png", "image"),
+        ("huge.glb", "model"),
+        ("sky.hdr", "image"),
+    ] {
+        let told = named(name).unwrap_or_else(|| panic!("{name} is not told: {pruned:#?}"));
+        let size = HUGE.iter().find(|(huge, _)| *huge == name).map(|(_, size)| *size);
+        assert_eq!(
+            (&told["kind"], told["saved"]["bytes"].as_u64()),
+            (&kind.into(), size),
+            "{told}"
+        );
+    }
+    assert_eq!(named("huge.png").map(|p| p["place"].clone()), Some("a.pts:6:56".into()));
+    assert_eq!(found["files"], json!(["a.pts", "wood.png"]));
+}
+
 /// `inspect` names what is not opened, with sizes, and what is not there as no mistake.
 #[test]
 fn inspect_names_what_is_not_opened() {

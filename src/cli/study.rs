@@ -6,6 +6,7 @@ use super::outputs::Refusal;
 use super::study_files::Place;
 use super::study_meter::StudyMeter;
 use super::{Exit, plan, replay, scene, signals};
+use crate::compile::prune::prune;
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
 use crate::math::words::{clock, shell_word};
@@ -113,6 +114,8 @@ fn measure(
         console.diagnostics(&diags, &sources);
         return Err((Exit::Scene, String::new()));
     };
+    // What the picture does not need is no effect to weigh and no axis to vary. Compiling will tell what cannot be read.
+    let scene = prune(&scene, &files, &mut Diagnostics::default()).scene.into_owned();
     if let Some((name, image)) = &reference
         && [image.width, image.height] != size
     {

@@ -1,7 +1,7 @@
 //! Materials and textures that are used become the engine's recipes.
 
 use super::images::Images;
-use super::prune::{colored, folded, is_at_least, is_nothing};
+use super::prune::{Roots, folded, is_at_least, is_nothing};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::render::material as engine;
 use crate::render::medium::CLEAR;
@@ -42,7 +42,7 @@ impl<'a, 'i> Materials<'a, 'i> {
         Materials {
             scene,
             images,
-            colored: colored(scene),
+            colored: Roots::of(scene).colored(scene),
             known: BTreeMap::new(),
             textures: BTreeMap::new(),
             scattering: engine::Scattering::from(technique),

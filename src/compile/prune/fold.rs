@@ -4,11 +4,10 @@
 //! in all texels gives exactly that number, whatever the coordinates.
 
 use super::super::images::Images;
-use super::reach::{drawn, with_parts};
+use super::reach::Roots;
 use super::{Notes, Pass, Pruned};
 use crate::scene::{
-    Channel, ColorInput, Encoding, ImageId, Material, MaterialId, ScalarInput, Scene, Shape, SurfaceModel, Texture,
-    TextureId,
+    Channel, ColorInput, Encoding, ImageId, Material, MaterialId, ScalarInput, Scene, SurfaceModel, Texture, TextureId,
 };
 use glam::{DVec3, Vec3};
 use std::collections::BTreeSet;
@@ -29,11 +28,11 @@ pub struct Facts<'a> {
 
 impl<'a> Facts<'a> {
     /// About a scene.
-    pub fn new(scene: &'a Scene, images: &'a Images<'a>) -> Facts<'a> {
+    pub fn new(scene: &'a Scene, images: &'a Images<'a>, roots: &Roots) -> Facts<'a> {
         Facts {
             scene,
             images,
-            colored: colored(scene),
+            colored: roots.colored(scene),
             is_colored: true,
         }
     }
@@ -89,20 +88,6 @@ impl<'a> Facts<'a> {
         plain.emission.texture = Some(texture);
         super::reach::images_behind(self.scene, &plain)
     }
-}
-
-/// The materials on meshes with vertex colours, parts of mixtures included.
-pub fn colored(scene: &Scene) -> BTreeSet<MaterialId> {
-    let mut colored = BTreeSet::new();
-    drawn(scene, &mut |drawing| {
-        if let Shape::Mesh(id) = drawing.object.shape
-            && scene.meshes.get(id.index()).is_some_and(|m| !m.colors.is_empty())
-        {
-            colored.extend(drawing.material);
-        }
-    });
-    with_parts(scene, &mut colored);
-    colored
 }
 
 /// Folds the inputs of all materials.

@@ -24,14 +24,14 @@ mod tests;
 mod unreachable;
 mod unseen;
 
-pub use reach::{ObjectId, Reached, drawn};
+pub use reach::{ObjectId, Reached, Roots, drawn};
 
 use super::images::Images;
 use crate::diag::Diagnostics;
 use crate::files::Files;
 use crate::scene::{ImageId, Material, Place, Scene};
 use fold::Facts;
-pub(super) use fold::{colored, folded, is_at_least, is_nothing};
+pub(super) use fold::{folded, is_at_least, is_nothing};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -177,6 +177,8 @@ pub struct Pruned<'s> {
     pub scene: Cow<'s, Scene>,
     /// What was taken out, in the order of the passes.
     pub what: Vec<Removal>,
+    /// What its objects refer to; forgotten when objects are taken out.
+    roots: Option<Roots>,
     /// The scene as it was written.
     written: &'s Scene,
     /// Images that were decoded on the way.
@@ -192,6 +194,7 @@ impl<'s> Pruned<'s> {
         Pruned {
             scene: Cow::Borrowed(scene),
             what: Vec::new(),
+            roots: None,
             written: scene,
             images: Images::new(&scene.images, files),
             dropped: BTreeMap::new(),
@@ -216,13 +219,26 @@ impl<'s> Pruned<'s> {
         self.what.push(Removal::new(pass, kind, name, why, place, saved));
     }
 
+    fn take_roots(&mut self) -> Roots {
+        self.roots.take().unwrap_or_else(|| Roots::of(&self.scene))
+    }
+
+    /// What something drawn refers to by now.
+    fn reached(&mut self) -> Reached {
+        let roots = self.take_roots();
+        let reached = Reached::by(&roots, &self.scene);
+        self.roots = Some(roots);
+        reached
+    }
+
     /// Edits each material that something drawn has. `edit` says what it took out that is worth telling; images that it
     /// took from the material's inputs are remembered with the reason that it gives for each.
     fn each_material(&mut self, pass: Pass, edit: fn(&Facts<'_>, &mut Material, &mut Notes)) {
-        let reached = Reached::from(&self.scene);
+        let roots = self.take_roots();
+        let reached = Reached::by(&roots, &self.scene);
         let mut changed = Vec::new();
         {
-            let facts = Facts::new(&self.scene, &self.images);
+            let facts = Facts::new(&self.scene, &self.images, &roots);
             for id in &reached.materials {
                 let Some(before) = self.scene.materials.get(id.index()) else {
                     continue;
@@ -236,6 +252,7 @@ impl<'s> Pruned<'s> {
                 }
             }
         }
+        self.roots = Some(roots);
         for (id, material, notes, gone) in changed {
             for image in gone {
                 let why = notes.images.get(&image).cloned();
@@ -262,7 +279,7 @@ struct Notes {
 pub fn prune<'s>(scene: &'s Scene, files: &'s dyn Files, diags: &mut Diagnostics) -> Pruned<'s> {
     let mut pruned = Pruned::untouched(scene, files);
     run(&mut pruned);
-    let wanted: Vec<ImageId> = Reached::from(&pruned.scene).textured.into_iter().collect();
+    let wanted: Vec<ImageId> = pruned.reached().textured.into_iter().collect();
     pruned.images.decode_all(&wanted, diags);
     run(&mut pruned);
     sky::image(&mut pruned);

@@ -95,6 +95,51 @@ pub fn drawn<'a>(scene: &'a Scene, visit: &mut dyn FnMut(Drawing<'a>)) {
     }
 }
 
+/// What objects refer to themselves: where every search begins. Finding it takes a walk over all objects.
+#[derive(Clone, Debug, Default)]
+pub struct Roots {
+    materials: BTreeSet<MaterialId>,
+    /// Materials on meshes with vertex colours.
+    colored: BTreeSet<MaterialId>,
+    meshes: BTreeSet<MeshId>,
+    groups: BTreeSet<GroupId>,
+}
+
+impl Roots {
+    /// Looks at all objects.
+    pub fn of(scene: &Scene) -> Roots {
+        let mut roots = Roots::default();
+        // Of millions of objects most are like the one before.
+        let mut last = None;
+        drawn(scene, &mut |drawing| {
+            let mesh = match drawing.object.shape {
+                Shape::Mesh(id) => Some(id),
+                _ => None,
+            };
+            let seen = (drawing.material, mesh, drawing.id.group);
+            if last == Some(seen) {
+                return;
+            }
+            last = Some(seen);
+            roots.materials.extend(drawing.material);
+            roots.groups.extend(drawing.id.group);
+            roots.meshes.extend(mesh);
+            let has_colors = |id: MeshId| scene.meshes.get(id.index()).is_some_and(|m| !m.colors.is_empty());
+            if mesh.is_some_and(has_colors) {
+                roots.colored.extend(drawing.material);
+            }
+        });
+        roots
+    }
+
+    /// The materials that vertex colours may reach, parts of mixtures included.
+    pub fn colored(&self, scene: &Scene) -> BTreeSet<MaterialId> {
+        let mut colored = self.colored.clone();
+        with_parts(scene, &mut colored);
+        colored
+    }
+}
+
 /// What something drawn refers to.
 #[derive(Clone, Debug, Default)]
 pub struct Reached {
@@ -113,14 +158,17 @@ pub struct Reached {
 impl Reached {
     /// Follows all references from what is drawn.
     pub fn from(scene: &Scene) -> Reached {
-        let mut reached = Reached::default();
-        drawn(scene, &mut |drawing| {
-            reached.materials.extend(drawing.material);
-            reached.groups.extend(drawing.id.group);
-            if let Shape::Mesh(id) = drawing.object.shape {
-                reached.meshes.insert(id);
-            }
-        });
+        Reached::by(&Roots::of(scene), scene)
+    }
+
+    /// As [`Reached::from`], where the objects have been looked at already.
+    pub fn by(roots: &Roots, scene: &Scene) -> Reached {
+        let mut reached = Reached {
+            materials: roots.materials.clone(),
+            meshes: roots.meshes.clone(),
+            groups: roots.groups.clone(),
+            ..Reached::default()
+        };
         with_parts(scene, &mut reached.materials);
         for material in reached
             .materials

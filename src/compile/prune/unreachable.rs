@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// Tells what the picture does without.
 pub fn pass(pruned: &mut Pruned<'_>) {
-    let reached = Reached::from(&pruned.scene);
+    let reached = pruned.reached();
     let mut found = materials(pruned, &reached);
     found.extend(images(pruned, &reached));
     found.extend(meshes(pruned, &reached));

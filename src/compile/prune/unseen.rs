@@ -15,16 +15,19 @@ use crate::compile::effects::causes::kind_of;
 use crate::compile::materials::solid;
 use crate::scene::{
     ColorInput, Finish, GroupId, Material, MaterialId, Object, OpacityMode, Principled, Scene, Shape, SurfaceModel,
+    Visibility,
 };
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
 /// Takes objects out that are nothing to all rays.
 pub fn pass(pruned: &mut Pruned<'_>) {
-    let gone = unseen(&pruned.scene);
+    let reached = pruned.reached();
+    let gone = unseen(&pruned.scene, &reached);
     if gone.is_empty() {
         return;
     }
+    pruned.roots = None;
     let scene = pruned.scene.to_mut();
     let groups = (0u32..)
         .map(|g| Some(GroupId(g)))
@@ -50,16 +53,25 @@ pub fn pass(pruned: &mut Pruned<'_>) {
 }
 
 /// The objects that no ray need meet, with the reason.
-fn unseen(scene: &Scene) -> BTreeMap<ObjectId, &'static str> {
-    let displaces = may_displace(scene);
+fn unseen(scene: &Scene, reached: &Reached) -> BTreeMap<ObjectId, &'static str> {
+    let displaces = may_displace(scene, reached);
     // Without a reason: some ray meets it somewhere.
     let mut objects: BTreeMap<ObjectId, Option<&'static str>> = BTreeMap::new();
-    // Most scenes have nothing of the kind, and very many objects.
-    let nothings: BTreeMap<MaterialId, &'static str> = Reached::from(scene)
+    let nothings: BTreeMap<MaterialId, &'static str> = reached
         .materials
-        .into_iter()
-        .filter_map(|id| Some((id, scene.materials.get(id.index()).and_then(|m| nothing(m, displaces))?)))
+        .iter()
+        .filter_map(|id| {
+            Some((
+                *id,
+                scene.materials.get(id.index()).and_then(|m| nothing(m, displaces))?,
+            ))
+        })
         .collect();
+    // Most scenes have nothing of the kind, and some very many objects.
+    let mut all = scene.objects.iter().chain(scene.groups.iter().flat_map(|g| &g.objects));
+    if nothings.is_empty() && all.all(|o| o.visibility == Visibility::default()) {
+        return BTreeMap::new();
+    }
     drawn(scene, &mut |drawing| {
         let by_material = drawing.material.and_then(|m| nothings.get(&m).copied());
         let why = if drawing.is_seen {
@@ -84,13 +96,15 @@ fn is_mesh(object: &Object) -> bool {
 }
 
 /// Whether a clear solid of index 1 may take the place of something that acts on light.
-fn may_displace(scene: &Scene) -> bool {
+fn may_displace(scene: &Scene, reached: &Reached) -> bool {
     let acts = |m: &Material| {
         let (ior, _, is_solid) = solid(m);
         is_solid && (ior != 1.0 || !m.interior.is_clear())
     };
-    let solids = Reached::from(scene).materials;
-    let mut solids = solids.iter().filter_map(|id| scene.materials.get(id.index()));
+    let mut solids = reached
+        .materials
+        .iter()
+        .filter_map(|id| scene.materials.get(id.index()));
     !scene.atmosphere.is_clear() || !scene.fogs.is_empty() || solids.any(acts)
 }
 

@@ -41,6 +41,13 @@ impl Interp<'_> {
         Ok(())
     }
 
+    /// Remembers a file that is named, once, until something drawn asks for it.
+    pub fn name_file(&mut self, kind: &'static str, path: &Path, span: Span) {
+        if !self.is_silent() && !self.named_files.iter().any(|(_, known, _)| known == path) {
+            self.named_files.push((kind, path.to_owned(), span));
+        }
+    }
+
     /// The path of an image named in the scene; an error if there is none.
     pub fn asset(&mut self, name: &str, span: Span) -> Parsed<PathBuf> {
         match self.locate(name, span, &[""])? {

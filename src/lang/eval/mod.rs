@@ -96,6 +96,8 @@ pub struct Interp<'a> {
     pub scene_dir: PathBuf,
     /// Models whose file is not there, by the path that they would have; it is an error only where one is drawn.
     pub missing_models: Vec<(PathBuf, crate::diag::Diagnostic)>,
+    /// Images and models that the text names, with what they are and where: nobody may draw them.
+    pub named_files: Vec<(&'static str, PathBuf, Span)>,
     frames: Vec<Frame>,
     /// The next token, if it is known.
     ahead: Option<Tok>,
@@ -153,6 +155,7 @@ impl<'a> Interp<'a> {
             scene_dir: PathBuf::new(),
             missing_models: Vec::new(),
             unread: unread::Unread::default(),
+            named_files: Vec::new(),
             frames: Vec::new(),
             ahead: None,
             hold: None,

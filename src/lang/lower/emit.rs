@@ -7,11 +7,12 @@ use crate::lang::ModelRequest;
 use crate::lang::desc::{ImageDesc, Look, ModelDesc, ObjectDesc, Pigment, ShapeDesc};
 use crate::lang::eval::Interp;
 use crate::scene::{
-    ColorInput, Encoding, GroupId, Image, ImageId, ImageSource, ImageTexture, Light, MeshId, Object, Place, Scene,
-    Shape, TexelFilter, Texture, TextureId, Wrap,
+    ColorInput, Encoding, GroupId, Image, ImageId, ImageSource, ImageTexture, LeftOut, Light, MeshId, Object, Place,
+    Scene, Shape, TexelFilter, Texture, TextureId, Wrap,
 };
 use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 /// Objects of one scene, those of unions counted as often as they are placed.
@@ -71,12 +72,31 @@ impl Interp<'_> {
         }
         self.emit_fogs(&mut out);
         out.left_out.extend(self.take_unread());
+        self.emit_left_out(&mut out);
         for (path, mut missing) in std::mem::take(&mut self.missing_models) {
             missing.severity = crate::diag::Severity::Note;
             missing.message = format!("\"{}\" is not there, but nothing drawn needs it", path.display());
             self.report(missing);
         }
         out
+    }
+
+    /// Lists the files that the text names and nothing drawn asks for.
+    fn emit_left_out(&mut self, out: &mut Scene) {
+        let shown = |path: &PathBuf| out.images.iter().any(|i| i.source == ImageSource::File(path.clone()));
+        let idle = std::mem::take(&mut self.named_files).into_iter();
+        let idle = idle
+            .filter(|(_, path, _)| !shown(path))
+            .map(|(kind, file, span)| LeftOut {
+                kind,
+                name: file.display().to_string(),
+                why: "nothing drawn shows it".to_owned(),
+                bytes: 0,
+                file: Some(file),
+                place: Place::Text(span),
+            });
+        let idle: Vec<LeftOut> = idle.collect();
+        out.left_out.extend(idle);
     }
 
     fn warn_black_default(&mut self, objects: &[Rc<ObjectDesc>]) {
@@ -220,6 +240,7 @@ impl Interp<'_> {
         done: &mut Emitted,
     ) -> Option<GroupId> {
         let key = format!("{:?} {} {:?} {:?}", m.kind, m.path.display(), m.scene, m.variant);
+        self.named_files.retain(|(_, path, _)| *path != m.path);
         if let Some(i) = self.missing_models.iter().position(|(path, _)| *path == m.path) {
             let missing = self.missing_models[i].1.clone();
             self.missing_models.retain(|(path, _)| *path != m.path);

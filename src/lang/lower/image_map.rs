@@ -3,6 +3,7 @@
 use crate::lang::desc::ImageDesc;
 use crate::lang::eval::{Interp, Parsed, T};
 use crate::lang::syntax::Word;
+use std::path::Path;
 use std::rc::Rc;
 
 impl Interp<'_> {
@@ -56,6 +57,7 @@ impl Interp<'_> {
                 _ if image.is_none() && self.starts_text() => {
                     let name = self.text("the image's file")?.to_string();
                     let path = self.locate(&name, tok.span, &["", ".png", ".jpg"])?;
+                    self.name_file("image", path.as_deref().unwrap_or(Path::new(&name)), tok.span);
                     *image = Some(ImageDesc {
                         name,
                         path,

@@ -22,6 +22,7 @@ impl Interp<'_> {
                 path
             }
         };
+        self.name_file("model", &path, at);
         self.comma();
         let (mut scene, mut variant) = (None, None);
         loop {
