@@ -34,6 +34,7 @@ mod texture;
 mod triangles;
 mod uri;
 mod variant;
+mod volume;
 
 use crate::diag::{Anomaly, Diagnostic, Diagnostics, Severity};
 use crate::files::Files;
