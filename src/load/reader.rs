@@ -109,6 +109,10 @@ impl Files for Remembered<'_> {
         self.inner.exists(path)
     }
 
+    fn size(&self, path: &Path) -> Option<u64> {
+        self.inner.size(path)
+    }
+
     fn list(&self, dir: &Path) -> Vec<String> {
         self.inner.list(dir)
     }
