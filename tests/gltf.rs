@@ -1,5 +1,7 @@
 //! glTF import: what each feature of the format becomes in the scene, number by number, and what broken files say.
 
+#[path = "gltf/animation.rs"]
+mod animation;
 #[path = "gltf/builder.rs"]
 mod builder;
 #[path = "gltf/files.rs"]

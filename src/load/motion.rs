@@ -105,3 +105,6 @@ fn tell(changes: &[Change], diags: &mut Diagnostics) {
         diags.push(Diagnostic::warning("L0006", message));
     }
 }
+
+#[cfg(test)]
+mod tests;

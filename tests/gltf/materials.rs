@@ -3,7 +3,7 @@
 use crate::builder::*;
 use glam::{DVec2, DVec3};
 use pts::scene::{
-    Channel, EmissionSides, Encoding, ImageSource, ImageTexture, OpacityMode, Scene, SurfaceModel, TexelFilter,
+    Channel, EmissionSides, Encoding, ImageSource, ImageTexture, OpacityMode, Phase, Scene, SurfaceModel, TexelFilter,
     Texture, TextureId, Wrap,
 };
 use serde_json::{Value, json};
@@ -140,6 +140,48 @@ fn solid_glass_absorbs_by_its_attenuation_and_thin_glass_does_not() {
     let thin = load(0.0);
     assert!(!principled(&thin).thick);
     assert_eq!(thin.materials[0].interior.absorption, DVec3::ZERO);
+}
+
+/// Oracle: the extension's text: what is taken from the way stays σ = −ln(colour)/distance, the scattered share of it
+/// makes a deep solid look like the colour.
+#[test]
+fn a_volume_that_scatters_splits_its_extinction() {
+    let load = |volume_only: bool, transmission: &str| {
+        let mut extensions = json!({
+            transmission: {"transmissionFactor": 1, "diffuseTransmissionFactor": 1,
+                "diffuseTransmissionColorFactor": [1, 0.5, 1]},
+            "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0.5,
+                "attenuationColor": [0.9, 0.9, 0.9]},
+            "KHR_materials_volume_scatter": {"multiscatterColor": [0, 0.5, 1], "scatterAnisotropy": 0.25},
+        });
+        if volume_only {
+            extensions
+                .as_object_mut()
+                .unwrap()
+                .remove("KHR_materials_volume_scatter");
+        }
+        Model::with_material(json!({"extensions": extensions})).load()
+    };
+    let glass = "KHR_materials_transmission";
+    let (scene, plain) = (load(false, glass), load(true, glass));
+    let (m, extinction) = (scene.materials[0].interior, plain.materials[0].interior.absorption);
+    assert!((m.absorption + m.scattering - extinction).length() < 1e-15);
+    let share = m.scattering / extinction;
+    assert!(
+        share.x < 1e-5 && share.y > 0.5 && share.y < 1.0 && share.z > 1.0 - 1e-5,
+        "{share}"
+    );
+    assert_eq!(m.phase, Phase::HenyeyGreenstein(0.25));
+    // Light that enters diffusely enters.
+    let wax = load(false, "KHR_materials_diffuse_transmission");
+    let p = principled(&wax);
+    assert_eq!(
+        (p.transmission.factor, p.diffuse_transmission.factor, p.thick),
+        (1.0, 0.0, true)
+    );
+    assert_eq!(p.base_color.factor, DVec3::new(1.0, 0.5, 1.0));
+    let sheet = load(true, "KHR_materials_diffuse_transmission");
+    assert_eq!(principled(&sheet).diffuse_transmission.factor, 1.0);
 }
 
 #[test]

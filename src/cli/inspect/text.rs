@@ -58,8 +58,8 @@ impl Found {
             .map_or("no limit".to_owned(), |n| n.to_string());
         lines.push(row("bounces", &depth));
         let kernel = match size.kernel {
-            KernelTier::Surfaces => "surfaces (nothing between them, no wavelengths)",
-            KernelTier::All => "all (media between surfaces, and wavelengths)",
+            KernelTier::Surfaces => "surfaces: without media and dispersion",
+            KernelTier::All => "all: with media and dispersion",
         };
         lines.push(row("kernel", kernel));
         let textures = format!("{} ({})", grouped(size.images), bytes(size.image_bytes));

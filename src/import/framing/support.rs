@@ -40,29 +40,37 @@ impl<'a> Walk<'a> {
             if !object.visibility.camera {
                 continue;
             }
-            let m = to_world * object.transform;
-            match &object.shape {
-                Shape::Mesh(id) => {
-                    let Some(mesh) = self.scene.meshes.get(id.index()) else {
-                        continue;
-                    };
-                    self.mesh(id.0, mesh, m, a, best);
-                }
-                Shape::Group(id) => {
-                    let Some(group) = self.scene.groups.get(id.index()) else {
-                        continue;
-                    };
-                    if depth >= MAX_DEPTH {
-                        continue;
+            // Also where it moves to while the shutter is open: between keys it is between their places.
+            let still = [DAffine3::IDENTITY];
+            let keys = if object.motion.is_empty() {
+                &still
+            } else {
+                &object.motion[..]
+            };
+            for m in keys.iter().map(|key| to_world * object.transform * *key) {
+                match &object.shape {
+                    Shape::Mesh(id) => {
+                        let Some(mesh) = self.scene.meshes.get(id.index()) else {
+                            continue;
+                        };
+                        self.mesh(id.0, mesh, m, a, best);
                     }
-                    if self.objects >= group.objects.len() {
-                        self.objects -= group.objects.len();
-                        self.objects(&group.objects, m, a, best, depth + 1);
-                    } else if let Some(corners) = self.group_box(id.0, depth) {
-                        extend(best, a, m, |d| highest(&corners, d));
+                    Shape::Group(id) => {
+                        let Some(group) = self.scene.groups.get(id.index()) else {
+                            continue;
+                        };
+                        if depth >= MAX_DEPTH {
+                            continue;
+                        }
+                        if self.objects >= group.objects.len() {
+                            self.objects -= group.objects.len();
+                            self.objects(&group.objects, m, a, best, depth + 1);
+                        } else if let Some(corners) = self.group_box(id.0, depth) {
+                            extend(best, a, m, |d| highest(&corners, d));
+                        }
                     }
+                    shape => extend(best, a, m, |d| shape_support(shape, d)),
                 }
-                shape => extend(best, a, m, |d| shape_support(shape, d)),
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Cameras: they look along their node's −z with +y up.
 
 use super::Loader;
-use crate::scene::{Aspect, Camera, Projection};
+use crate::scene::{Aspect, Camera, CameraKey, Projection};
 use glam::{DAffine3, DVec3};
 use gltf::json;
 use json::camera::Type;
@@ -47,17 +47,13 @@ impl Loader<'_> {
             self.report.error("G0812", &at, message);
             return;
         }
-        let axes = world.matrix3;
-        let direction = (-axes.z_axis).normalize_or(DVec3::NEG_Z);
-        let up = axes.y_axis - direction * axes.y_axis.dot(direction);
-        let up = up.normalize_or(direction.any_orthonormal_vector());
-        let mirror = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
+        let [direction, right, up] = axes(&world);
         let own = raw.get("name").and_then(|n| n.as_str()).filter(|n| !n.is_empty());
         self.scene.cameras.push(Camera {
             name: own.map_or(node, str::to_owned),
             location: world.translation,
             direction,
-            right: direction.cross(up) * (mirror * height * aspect),
+            right: right * (height * aspect),
             up: up * height,
             aspect: Aspect::FromImage,
             projection,
@@ -66,5 +62,27 @@ impl Loader<'_> {
             motion: Vec::new(),
             place: self.report.origin(&at),
         });
+    }
+}
+
+/// Where a camera at a node's place looks, what is to its right and above: unit vectors.
+fn axes(world: &DAffine3) -> [DVec3; 3] {
+    let axes = world.matrix3;
+    let direction = (-axes.z_axis).normalize_or(DVec3::NEG_Z);
+    let up = axes.y_axis - direction * axes.y_axis.dot(direction);
+    let up = up.normalize_or(direction.any_orthonormal_vector());
+    let mirror = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
+    [direction, direction.cross(up) * mirror, up]
+}
+
+/// A camera as it is where its node is at another time.
+pub(super) fn at_place(camera: &Camera, world: &DAffine3) -> CameraKey {
+    let [direction, right, up] = axes(world);
+    CameraKey {
+        location: world.translation,
+        direction,
+        right: right * camera.right.length(),
+        up: up * camera.up.length(),
+        ..camera.key()
     }
 }

@@ -29,8 +29,7 @@ impl Loader<'_> {
         let falloff = Falloff::InverseSquare {
             range: (range > 0.0 && range.is_finite()).then_some(range),
         };
-        let axis = (-world.matrix3.z_axis).normalize_or(DVec3::NEG_Z);
-        let position = world.translation;
+        let (position, axis) = place(&world);
         let kind = match fields.member("type").and_then(Value::as_str) {
             Some("point") => LightKind::Point { position, falloff },
             Some("directional") => {
@@ -78,4 +77,22 @@ impl Loader<'_> {
             place: self.report.origin(&at),
         });
     }
+}
+
+/// Where a lamp at a node's place is, and where it shines to: a unit vector.
+fn place(world: &DAffine3) -> (DVec3, DVec3) {
+    (world.translation, (-world.matrix3.z_axis).normalize_or(DVec3::NEG_Z))
+}
+
+/// A lamp as it is where its node is at another time.
+pub(super) fn at_place(lamp: &LightKind, world: &DAffine3) -> LightKind {
+    let (there, towards) = place(world);
+    let mut lamp = lamp.clone();
+    match &mut lamp {
+        LightKind::Point { position, .. } => *position = there,
+        LightKind::Spot { position, axis, .. } => (*position, *axis) = (there, towards),
+        LightKind::Directional { direction } => *direction = towards,
+        LightKind::Area { .. } => {} // no file describes one
+    }
+    lamp
 }

@@ -2,10 +2,9 @@
 
 use super::Loader;
 use super::extension::{FINITE, Fields, NOT_NEGATIVE, UNIT, exact, limit};
-use crate::diag::{Anomaly, Diagnostic};
 use crate::scene::{
-    Channel, ColorInput, EmissionSides, Encoding, Material, MaterialId, NormalMap, Opacity, OpacityMode, Principled,
-    ScalarInput, SurfaceModel, Texture, TextureId,
+    Channel, ColorInput, EmissionSides, Encoding, Material, MaterialId, Medium, NormalMap, Opacity, OpacityMode,
+    Principled, ScalarInput, SurfaceModel, Texture, TextureId,
 };
 use glam::{DVec3, DVec4};
 use gltf::json;
@@ -84,7 +83,7 @@ impl Loader<'_> {
         material.emission = self.emission_of(raw, &at);
         material.normal_map = self.normal_map(raw.get("normalTexture"), &format!("{at}.normalTexture"));
         let mut surface = self.core_surface(raw, &base, &at);
-        material.interior.absorption = self.refine(raw, &mut surface, &at);
+        material.interior = self.refine(raw, &mut surface, &at);
         let gloss = self.apply_specular_glossiness(raw, &mut surface, &at);
         material.surface = match gloss {
             Some(gloss) => self.surface_with_gloss_map(surface, gloss),
@@ -173,8 +172,8 @@ impl Loader<'_> {
         }
     }
 
-    /// The extensions that refine the surface. Returns the absorption of the inside per world unit.
-    fn refine(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> DVec3 {
+    /// The extensions that refine the surface. Returns what fills the inside.
+    fn refine(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> Medium {
         if let Some(ior) = Fields::of(raw, "KHR_materials_ior", at) {
             surface.ior = ior.number("ior", 1.5, NOT_NEGATIVE, &mut self.report);
             if surface.ior != 0.0 {
@@ -226,42 +225,6 @@ impl Loader<'_> {
             );
         }
         self.volume(raw, surface, at)
-    }
-
-    /// `KHR_materials_volume`: σ = −ln(colour)/distance, distances being in the world.
-    fn volume(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> DVec3 {
-        let Some(volume) = Fields::of(raw, "KHR_materials_volume", at) else {
-            if surface.transmission.factor > 0.0 && self.is_from_blender() {
-                let d = Diagnostic::note(
-                    "G0707",
-                    "glass without KHR_materials_volume is drawn as a thin sheet, without refraction",
-                );
-                self.report
-                    .push(at, d.hint("for solid glass give the exporter a thickness above 0"));
-            }
-            return DVec3::ZERO;
-        };
-        let report = &mut self.report;
-        surface.thick = volume.number("thicknessFactor", 0.0, NOT_NEGATIVE, report) > 0.0;
-        let distance = volume.number("attenuationDistance", f64::INFINITY, 0.0..=f64::INFINITY, report);
-        let color = volume.color("attenuationColor", 1.0, UNIT, report);
-        if !surface.thick || distance.is_infinite() {
-            return DVec3::ZERO;
-        }
-        if distance <= 0.0 {
-            let place = volume.place("attenuationDistance");
-            let message = "is 0, expected more; nothing is absorbed";
-            report.mended("G0207", &place, message, Anomaly::MovedValue, 1);
-            return DVec3::ZERO;
-        }
-        // Black would absorb without end; the least positive number is as black, and finite.
-        color.map(|c| -c.max(f64::MIN_POSITIVE).ln() / distance)
-    }
-
-    /// Whether Blender's exporter wrote the file, whose glass rarely has a volume.
-    fn is_from_blender(&self) -> bool {
-        let generator = self.doc.top("asset").and_then(|a| a.get("generator"));
-        generator.and_then(Value::as_str).is_some_and(|g| g.contains("Blender"))
     }
 
     /// `KHR_materials_pbrSpecularGlossiness`: a dielectric whose F0 is the specular colour (ior 0 means F0 = 1 before

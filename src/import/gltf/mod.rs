@@ -7,10 +7,11 @@
 //! `deform`, `tangent`), materials (`material`, `extension`, `texture`), lamps and cameras (`light`, `camera`).
 //!
 //! What is not reached from the chosen scene is not read, so it cannot fail either. Errors are collected: a broken
-//! mesh does not hide a broken material. Animations are not played: skins and morph targets stand as the nodes are
-//! written.
+//! mesh does not hide a broken material. Animations (`animation`) are played only for a clock or an open shutter, for which
+//! nodes, cameras and lamps are given a motion (`moving`); skins and morph targets stand as they are when it opens.
 
 mod accessor;
+mod animation;
 mod buffer;
 mod camera;
 mod container;
@@ -24,6 +25,7 @@ mod light;
 mod material;
 mod mesh;
 mod meshopt;
+mod moving;
 mod node;
 mod part;
 mod required;
@@ -32,6 +34,7 @@ mod texture;
 mod triangles;
 mod uri;
 mod variant;
+mod volume;
 
 use crate::diag::{Anomaly, Diagnostic, Diagnostics, Severity};
 use crate::files::Files;
@@ -95,6 +98,8 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         variant: None,
         bytes: 0,
         triangles: 0,
+        animated: 0,
+        told_still: false,
     };
     loader.variant = loader.choose_variant();
     loader.load_scene();
@@ -129,6 +134,10 @@ struct Loader<'a> {
     /// Bytes of all buffers read and views unpacked so far, and triangles made of them.
     bytes: u64,
     triangles: u64,
+    /// Numbers of animations looked at so far.
+    animated: u64,
+    /// Whether it was told that skins and morph targets stand still.
+    told_still: bool,
 }
 
 /// Collects diagnostics about one file.

@@ -2,10 +2,12 @@
 
 use super::Loader;
 use super::accessor::Wanted;
+use super::animation::{Rest, Tracks};
 use super::deform::{Pose, affine_from_columns};
 use super::document::{extension, index_of};
 use super::extension::exact;
 use super::mesh::VEC3;
+use super::moving::Moving;
 use super::variant::known;
 use crate::diag::{Anomaly, Diagnostic};
 use crate::scene::{Object, Shape};
@@ -14,10 +16,16 @@ use gltf::json;
 use serde_json::Value;
 
 /// A node of the scene with its place in the world.
-struct Placed {
-    index: usize,
+pub(super) struct Placed {
+    pub index: usize,
     node: json::Node,
-    world: DAffine3,
+    /// Which of the placed nodes it stands in.
+    pub parent: Option<usize>,
+    /// Its own transform as it is shown, or when the shutter opens.
+    pub local: DAffine3,
+    /// As it is written, unless it has a matrix.
+    pub rest: Option<Rest>,
+    pub world: DAffine3,
     visible: bool,
 }
 
@@ -30,13 +38,18 @@ impl Loader<'_> {
         let Some(roots) = self.scene_roots() else {
             return;
         };
-        let placed = self.place_nodes(roots);
+        let played = self.options.clock.is_some() || self.options.shutter > 0.0;
+        let tracks = if played { self.tracks() } else { Tracks::default() };
+        let placed = self.place_nodes(roots, &tracks);
+        let moving = self.follow(&placed, &tracks);
         let mut world = vec![None; self.doc.len("nodes")];
         for p in &placed {
             world[p.index] = Some(p.world);
         }
-        for p in placed.iter().filter(|p| p.visible) {
-            self.load_node(p, &world);
+        for (i, p) in placed.iter().enumerate().filter(|(_, p)| p.visible) {
+            let before = self.counts();
+            let is_skinned = self.load_node(p, &world, &tracks, &moving);
+            self.give_motion(moving.keys(i), before, is_skinned);
         }
         if self.scene.objects.is_empty() && !self.report.failed {
             self.report.warning("G0501", "", "the scene has nothing to draw");
@@ -110,11 +123,13 @@ impl Loader<'_> {
     }
 
     /// Walks the tree. A node met a second time is an error, so the walk ends whatever the file says.
-    fn place_nodes(&mut self, roots: Vec<(usize, String)>) -> Vec<Placed> {
+    fn place_nodes(&mut self, roots: Vec<(usize, String)>, tracks: &Tracks) -> Vec<Placed> {
         struct Visit {
             index: usize,
             at: String,
             parent: Option<usize>,
+            /// Which of the placed nodes it stands in.
+            inside: Option<usize>,
             world: DAffine3,
             visible: bool,
         }
@@ -122,6 +137,7 @@ impl Loader<'_> {
             index,
             at,
             parent: None,
+            inside: None,
             world: DAffine3::IDENTITY,
             visible: true,
         };
@@ -142,7 +158,7 @@ impl Loader<'_> {
             let Some(node) = self.doc.get::<json::Node>(index, &visit.at, &mut self.report) else {
                 continue;
             };
-            let Some(local) = self.local_transform(raw, &node, &here) else {
+            let Some((local, rest)) = self.local_transform(raw, &node, &here, tracks, index) else {
                 continue;
             };
             let hidden =
@@ -154,6 +170,7 @@ impl Loader<'_> {
                     index: child,
                     at,
                     parent: Some(index),
+                    inside: Some(placed.len()),
                     world,
                     visible,
                 }));
@@ -161,6 +178,9 @@ impl Loader<'_> {
             placed.push(Placed {
                 index,
                 node,
+                parent: visit.inside,
+                local,
+                rest,
                 world,
                 visible,
             });
@@ -184,7 +204,15 @@ impl Loader<'_> {
 
     /// A node's own transform: its matrix, or translation · rotation · scale. The numbers are taken as written, since
     /// f32 would move what stands far away.
-    fn local_transform(&mut self, raw: &Value, node: &json::Node, at: &str) -> Option<DAffine3> {
+    fn local_transform(
+        &mut self,
+        raw: &Value,
+        node: &json::Node,
+        at: &str,
+        tracks: &Tracks,
+        index: usize,
+    ) -> Option<(DAffine3, Option<Rest>)> {
+        let mut rest = None;
         let local = match node.matrix {
             Some(rounded) => {
                 let m = exact(raw, "matrix").unwrap_or(rounded.map(f64::from));
@@ -206,7 +234,16 @@ impl Loader<'_> {
                     self.report.mended("G0505", &place, message, Anomaly::MovedValue, 1);
                 }
                 let (scale, translation) = (vector("scale", DVec3::ONE), vector("translation", DVec3::ZERO));
-                DAffine3::from_scale_rotation_translation(scale, unit.unwrap_or(DQuat::IDENTITY), translation)
+                let written = rest.insert(Rest {
+                    translation,
+                    rotation: unit.unwrap_or(DQuat::IDENTITY),
+                    scale,
+                });
+                if tracks.moves(index) {
+                    tracks.transform(index, written, self.opening())
+                } else {
+                    written.transform()
+                }
             }
         };
         let reach = local
@@ -222,13 +259,15 @@ impl Loader<'_> {
             );
             return None;
         }
-        Some(local)
+        Some((local, rest))
     }
 
-    fn load_node(&mut self, placed: &Placed, world: &[Option<DAffine3>]) {
+    /// Adds what stands at a node; whether joints hold its mesh.
+    fn load_node(&mut self, placed: &Placed, world: &[Option<DAffine3>], tracks: &Tracks, moving: &Moving) -> bool {
+        let mut is_skinned = false;
         let at = format!("nodes[{}]", placed.index);
         let Some(raw) = self.doc.raw("nodes", placed.index, &at, &mut self.report) else {
-            return;
+            return false;
         };
         let name = self.doc.name("nodes", placed.index);
         if let Some(camera) = placed.node.camera {
@@ -242,18 +281,16 @@ impl Loader<'_> {
         }
         if let Some(mesh) = placed.node.mesh {
             let mut pose = Pose {
-                weights: placed.node.weights.clone(),
+                weights: self.weights_of(placed, tracks),
                 joints: None,
             };
             if let Some(skin) = placed.node.skin {
                 pose.joints = self.joints(skin.value(), world, &format!("{at}.skin"));
+                self.skins_stand_still(skin.value(), moving, &at);
             }
             // A skin places its mesh by its joints alone; the node's own transform is ignored.
-            let place = if pose.joints.is_some() {
-                DAffine3::IDENTITY
-            } else {
-                placed.world
-            };
+            is_skinned = pose.joints.is_some();
+            let place = if is_skinned { DAffine3::IDENTITY } else { placed.world };
             let instances = self.instances(raw, &at).unwrap_or_default();
             self.met_meshes.insert(mesh.value());
             let meshes = self.meshes_of(mesh.value(), &pose, &format!("{at}.mesh"));
@@ -268,6 +305,17 @@ impl Loader<'_> {
                 }
             }
         }
+        is_skinned
+    }
+
+    /// Weights of the morph targets, by the animations or the node.
+    fn weights_of(&mut self, placed: &Placed, tracks: &Tracks) -> Option<Vec<f32>> {
+        let index = placed.index;
+        if tracks.has_weights(index) {
+            self.morphs_stand_still(tracks, index);
+            return tracks.weights(index, self.opening());
+        }
+        placed.node.weights.clone()
     }
 
     /// Adds an object unless its transform flattens it to nothing or leaves the finite numbers.

@@ -11,7 +11,7 @@ use super::texture::Textures;
 use crate::diag::Diagnostic;
 use crate::files::Files;
 use crate::scene::{
-    Channel, ColorInput, Encoding, Material, MaterialId, NormalMap, Opacity, OpacityMode, Place, Principled,
+    BumpMap, Channel, ColorInput, Encoding, Material, MaterialId, NormalMap, Opacity, OpacityMode, Place, Principled,
     ScalarInput, Scene, SurfaceModel,
 };
 use glam::DVec3;
@@ -122,7 +122,7 @@ impl Mapping<'_, '_> {
         let mut material = Material::new(self.surface());
         material.emission = self.color("ke", "map_ke", DVec3::ZERO);
         material.place = Place::Model(self.mtl.place.clone());
-        material.normal_map = self.normal_map();
+        (material.normal_map, material.bump_map) = self.relief();
         if !matches!(material.surface, SurfaceModel::Glass { .. }) {
             material.opacity = self.opacity();
         }
@@ -296,24 +296,23 @@ impl Mapping<'_, '_> {
         }
     }
 
-    fn normal_map(&mut self) -> Option<NormalMap> {
-        let map = match (self.mtl.maps.get("norm"), self.mtl.maps.get("bump")) {
-            (Some(norm), _) => norm,
-            (None, Some(bump)) if self.textures.is_normal_map(bump, self.report) => bump,
-            (None, Some(bump)) => {
-                let message = format!("height map {:?} (`bump`) is not supported and left out", bump.file);
-                let hint = "bake it to a normal map and name that with `norm`";
-                self.report
-                    .push_at(bump.place.clone(), Diagnostic::warning("O0214", message).hint(hint));
-                return None;
-            }
-            (None, None) => return None,
+    /// A normal map, or else a height map. MTL says no unit of heights; as in POV-Ray, `-bm 1` sets white one texel above
+    /// black, which looks alike on models of any size.
+    fn relief(&mut self) -> (Option<NormalMap>, Option<BumpMap>) {
+        let (map, is_normal) = match (self.mtl.maps.get("norm"), self.mtl.maps.get("bump")) {
+            (Some(norm), _) => (norm, true),
+            (None, Some(bump)) => (bump, self.textures.is_normal_map(bump, self.report)),
+            (None, None) => return (None, None),
         };
-        let texture = self.textures.add(map, Encoding::Linear, self.scene, self.report)?;
-        Some(NormalMap {
-            texture,
-            scale: map.bump,
-        })
+        let Some(texture) = self.textures.add(map, Encoding::Linear, self.scene, self.report) else {
+            return (None, None);
+        };
+        if is_normal {
+            let scale = map.bump;
+            return (Some(NormalMap { texture, scale }), None);
+        }
+        let scale = map.bump * map.gain;
+        (None, Some(BumpMap { texture, scale }))
     }
 }
 

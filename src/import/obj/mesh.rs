@@ -45,8 +45,11 @@ pub(super) fn add_meshes(
         let mut builder = Builder::new(cleaned, &source, faces.clone());
         builder.add_faces(cleaned, materials, colored, report);
         let mut mesh = builder.finish(name);
-        let normal_mapped = |m: &MaterialId| scene.materials.get(m.index()).is_some_and(|m| m.normal_map.is_some());
-        if mesh.materials.iter().flatten().any(normal_mapped) {
+        let in_relief = |m: &MaterialId| {
+            let material = scene.materials.get(m.index());
+            material.is_some_and(|m| m.normal_map.is_some() || m.bump_map.is_some())
+        };
+        if mesh.materials.iter().flatten().any(in_relief) {
             add_tangents(&mut mesh);
         }
         if mesh.dropped_faces > 0 {

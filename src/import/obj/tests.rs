@@ -317,7 +317,7 @@ fn metallic_roughness_emission_and_opacity_are_taken_over() {
 }
 
 #[test]
-fn a_bump_map_that_is_a_normal_map_is_used_and_a_height_map_is_told() {
+fn a_bump_map_is_a_normal_map_or_a_height_map() {
     let (m, scene, _) = material("bump -bm 0.5 b_normal.png");
     let normal = m.normal_map.expect("a normal map");
     assert_eq!(normal.scale, 0.5);
@@ -325,8 +325,17 @@ fn a_bump_map_that_is_a_normal_map_is_used_and_a_height_map_is_told() {
         panic!()
     };
     assert_eq!(encoding, Encoding::Linear);
-    let (m, _, diags) = material("map_Bump bump.png");
-    assert!(m.normal_map.is_none() && diags.iter().any(|d| d.code == "O0214"));
+    let (m, scene, diags) = material("map_Bump -bm 3 -mm 0 0.5 bump.png");
+    let bump = m.bump_map.expect("a height map");
+    assert!(m.normal_map.is_none() && diags.is_empty(), "{diags:?}");
+    assert_eq!(bump.scale, 1.5);
+    assert!(matches!(
+        scene.textures[bump.texture.index()],
+        Texture::Image(ImageTexture {
+            encoding: Encoding::Linear,
+            ..
+        })
+    ));
 }
 
 #[test]

@@ -16,6 +16,7 @@ impl Interp<'_> {
         let Some(value) = self.scopes.get(name).cloned() else {
             return Err(self.undefined(tok));
         };
+        self.note_read(name);
         self.bump();
         let Value::Array(array) = &value else { return Ok(value) };
         let indices = self.indices()?;

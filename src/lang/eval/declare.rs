@@ -45,6 +45,7 @@ impl Interp<'_> {
             frame.pos += 1;
         }
         if indices.is_empty() {
+            self.note_declared(place.name, span, &value);
             self.scopes.set(place, value);
             return Ok(());
         }

@@ -211,6 +211,7 @@ impl Interp<'_> {
             return file.clone();
         }
         let id = self.sources.add(format!("{name} (built in)"), text);
+        self.note_standard(id);
         let file = Rc::new(lex(id, None, text, &mut self.names));
         self.token_files.insert(key, file.clone());
         file

@@ -21,6 +21,7 @@ mod run;
 mod scope;
 mod stream;
 mod strings;
+mod unread;
 mod user_functions;
 mod value;
 mod vector_functions;
@@ -127,6 +128,7 @@ pub struct Interp<'a> {
     generators: Vec<u32>,
     told: HashSet<String>,
     token_files: HashMap<PathBuf, Rc<TokenFile>>,
+    unread: unread::Unread,
 }
 
 impl<'a> Interp<'a> {
@@ -152,6 +154,7 @@ impl<'a> Interp<'a> {
             size_used: None,
             scene_dir: PathBuf::new(),
             missing_models: Vec::new(),
+            unread: unread::Unread::default(),
             named_files: Vec::new(),
             frames: Vec::new(),
             ahead: None,

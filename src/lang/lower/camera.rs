@@ -270,6 +270,9 @@ impl Interp<'_> {
         let lens_radius = c
             .lens_radius
             .unwrap_or(if c.blur_samples > 0.0 { c.aperture / 2.0 } else { 0.0 });
+        if lens_radius == 0.0 && c.lens_radius.is_some() {
+            self.note_idle("lens", "its radius is 0: the camera is a pinhole", c.span);
+        }
         let to_focus = c.focal_point.map(|p| (p - c.location).dot(axis)).filter(|&d| d > 0.0);
         let focus_distance = c.focus_distance.or(to_focus).or(look_distance).unwrap_or(1.0);
         let t = &c.transform;

@@ -67,7 +67,11 @@ impl Interp<'_> {
         let media = std::mem::take(&mut self.scene.media);
         out.atmosphere = self.medium_of(&media);
         out.atmosphere_place = media.first().map_or(Place::None, |m| Place::Text(m.span));
+        if let (Some(first), true) = (media.first(), out.atmosphere.is_clear()) {
+            self.note_idle("medium", "it takes, scatters and emits no light", first.span);
+        }
         self.emit_fogs(&mut out);
+        out.left_out.extend(self.take_unread());
         self.emit_left_out(&mut out);
         for (path, mut missing) in std::mem::take(&mut self.missing_models) {
             missing.severity = crate::diag::Severity::Note;

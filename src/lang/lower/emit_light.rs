@@ -123,7 +123,10 @@ impl Interp<'_> {
                     self.warn_pattern(word, at);
                 }
                 match self.linear(color).max(DVec3::ZERO) {
-                    DVec3::ZERO => EnvironmentKind::Black,
+                    DVec3::ZERO => {
+                        self.note_idle("environment", "it is black", span);
+                        EnvironmentKind::Black
+                    }
                     c => EnvironmentKind::Constant(c),
                 }
             }

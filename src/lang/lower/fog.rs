@@ -113,6 +113,7 @@ impl Interp<'_> {
                 continue;
             };
             if distance == 0.0 {
+                self.note_idle("fog", "its distance is 0, which switches it off", fog.span);
                 continue;
             }
             if fog.is_ground && fog.alt == 0.0 {

@@ -174,7 +174,8 @@ impl Interp<'_> {
     pub fn eccentricity(&mut self, what: &str) -> Parsed<f64> {
         let at = self.peek().span;
         let g = self.finite(what)?;
-        if g.abs() >= 1.0 {
+        if (g as f32).abs() >= 1.0 {
+            // so near to 1 that the engine would count it as 1
             let message = format!("{what} must lie between -1 and 1, both excluded, found {g}");
             return Err(self.error("P0311", at, message));
         }

@@ -132,6 +132,7 @@ impl Interp<'_> {
         let Some(Value::Desc(desc)) = self.scopes.get(name).cloned() else {
             return Ok(false);
         };
+        self.note_read(name);
         match desc {
             Desc::Texture(layers) => add_layers(&mut object.look, &layers),
             Desc::Material(look) => apply_look(&mut object.look, look),

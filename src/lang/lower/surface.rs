@@ -159,6 +159,7 @@ impl Interp<'_> {
         if let T::Name(name) = tok.t
             && let Some(Value::Desc(Desc::Pigment(p))) = self.scopes.get(name).cloned()
         {
+            self.note_read(name);
             self.bump();
             return Ok(p);
         }

@@ -38,7 +38,8 @@ impl Kernel<'_> {
             pdf: None,
             way: Way::Any,
         };
-        let mut media = self.media_around(&ray);
+        let mut media = self.camera_media.clone();
+        self.update_media(&mut media, &ray);
         let mut left: Option<DVec3> = None;
         let mut wavelength: Option<Wavelength> = None;
         let mut bounce = 1u32; // 1 is the first surface

@@ -83,13 +83,12 @@ impl Kernel<'_> {
         }
     }
 
-    /// What the camera is inside of when it sends a ray.
+    /// Makes `media`, what the camera is inside of when the shutter opens, what it is inside of when it sends a ray.
     #[inline(always)]
-    pub(super) fn media_around(&self, ray: &Ray) -> MediumStack {
+    pub(super) fn update_media(&self, media: &mut MediumStack, ray: &Ray) {
         if self.media_vary {
-            return media_around_camera(self.scene, ray.time);
+            *media = media_around_camera(self.scene, ray.time);
         }
-        self.camera_media.clone()
     }
 
     /// Distance of a point along the view axis, from where the camera is at a time.

@@ -41,6 +41,7 @@ impl DiscLight {
         }
     }
 
+    #[inline(always)]
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
         let q = self.center + {
             let d = self.ring(disc_concentric(u).as_dvec2());
@@ -79,6 +80,7 @@ impl DiscLight {
     }
 
     /// Density of `sample` for a direction that hits the disc.
+    #[inline(always)]
     pub(crate) fn pdf(&self, wi: Vec3, hit: &HitOnLight) -> f32 {
         self.target().pdf(wi, hit.distance)
     }

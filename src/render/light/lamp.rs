@@ -191,12 +191,14 @@ pub struct AreaLamp {
 }
 
 impl PointLamp {
+    #[inline(always)]
     pub(crate) fn sample(&self, at: &Receiver) -> Option<Aim> {
         aim(at, self.position, self.color, self.falloff, None, self.casts_shadows)
     }
 }
 
 impl SpotLamp {
+    #[inline(always)]
     pub(crate) fn sample(&self, at: &Receiver) -> Option<Aim> {
         let spot = Some((self.axis, self.profile));
         aim(at, self.position, self.color, self.falloff, spot, self.casts_shadows)
@@ -204,6 +206,7 @@ impl SpotLamp {
 }
 
 impl AreaLamp {
+    #[inline(always)]
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
         let v = if self.circular {
             disc_concentric(u) * 0.5
@@ -216,6 +219,7 @@ impl AreaLamp {
 }
 
 impl DirectionalLamp {
+    #[inline(always)]
     pub(crate) fn sample(&self) -> Aim {
         Aim {
             wi: -self.direction,

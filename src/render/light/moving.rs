@@ -2,9 +2,9 @@
 
 use super::TriangleLight;
 use super::bounds::LightBounds;
-use super::set::aim;
 use super::{
-    Aim, AreaLamp, DirectionalLamp, DiscLight, Light, ParallelogramLight, PointLamp, Receiver, SphereLight, SpotLamp,
+    Aim, AreaLamp, DirectionalLamp, DiscLight, HitOnLight, Light, ParallelogramLight, PointLamp, Receiver, SphereLight,
+    SpotLamp,
 };
 use crate::render::motion::{Motion, step};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -48,10 +48,38 @@ impl MovingLight {
         between(a, b, w).unwrap_or_else(|| a.clone())
     }
 
-    /// A direction towards the light at a time. Apart from the lights that stand still.
+    /// A direction towards the light at a time. Apart from the code for lights that stand still.
     #[inline(never)]
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2, time: f32) -> Option<Aim> {
-        aim(&self.at(time), at, u, time)
+        match self.at(time) {
+            Light::Point(l) => l.sample(at),
+            Light::Spot(l) => l.sample(at),
+            Light::Directional(l) => Some(l.sample()),
+            Light::Area(l) => l.sample(at, u),
+            Light::Sphere(l) => l.sample(at, u),
+            Light::Triangle(l) => l.sample(at, u),
+            Light::Parallelogram(l) => l.sample(at, u),
+            Light::Disc(l) => l.sample(at, u),
+            Light::SphereCap(_) | Light::Environment(_) | Light::Moving(_) => None, // these do not move
+        }
+    }
+
+    /// The density with which `sample` gives the direction `wi` at the time of the hit; 0 for what no ray can hit.
+    #[inline(never)]
+    pub(crate) fn pdf(&self, at: &Receiver, wi: Vec3, hit: &HitOnLight) -> f32 {
+        match self.at(hit.time) {
+            Light::Sphere(l) => l.pdf(at, wi),
+            Light::Triangle(l) => l.pdf(at, wi, hit),
+            Light::Parallelogram(l) => l.pdf(at, wi, hit),
+            Light::Disc(l) => l.pdf(wi, hit),
+            Light::Point(_)
+            | Light::Spot(_)
+            | Light::Directional(_)
+            | Light::Area(_)
+            | Light::SphereCap(_)
+            | Light::Environment(_)
+            | Light::Moving(_) => 0.0,
+        }
     }
 
     /// Bounds over the whole time. Between two keys that look into different directions nothing is known of where it

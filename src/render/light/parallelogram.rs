@@ -54,6 +54,7 @@ impl ParallelogramLight {
         })
     }
 
+    #[inline(always)]
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
         let edges = [self.p0, self.e1.as_dvec3(), self.e2.as_dvec3()];
         let (w, pdf, t, b) = match self.seen_near(at.p) {
@@ -93,6 +94,7 @@ impl ParallelogramLight {
     }
 
     /// Density of `sample` for a direction that hits the parallelogram.
+    #[inline(always)]
     pub(crate) fn pdf(&self, at: &Receiver, wi: Vec3, hit: &HitOnLight) -> f32 {
         match self.seen_near(at.p) {
             Some([first, second]) => self.target().pdf_along(wi, first.solid_angle + second.solid_angle),

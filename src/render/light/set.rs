@@ -180,9 +180,14 @@ impl LightSet {
     pub fn pdf(&self, light: u32, p: Vec3, n: Vec3, two_sided: bool, wi: Vec3, hit: &HitOnLight) -> f32 {
         let at = Receiver { p, n, two_sided };
         let pdf = match self.lights.get(light as usize) {
-            Some(Light::Moving(l)) => density(&l.at(hit.time), &at, wi, hit),
-            Some(l) => density(l, &at, wi, hit),
-            None => return 0.0,
+            Some(Light::Sphere(l)) => l.pdf(&at, wi),
+            Some(Light::SphereCap(l)) => l.pdf(wi, hit),
+            Some(Light::Triangle(l)) => l.pdf(&at, wi, hit),
+            Some(Light::Parallelogram(l)) => l.pdf(&at, wi, hit),
+            Some(Light::Disc(l)) => l.pdf(wi, hit),
+            Some(Light::Environment(l)) => l.pdf(&at, wi),
+            Some(Light::Moving(l)) => l.pdf(&at, wi, hit),
+            Some(Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_)) | None => return 0.0,
         };
         if pdf == 0.0 {
             return 0.0;
@@ -225,7 +230,7 @@ impl LightSet {
 
 /// A direction towards a light at a time.
 #[inline(always)]
-pub(super) fn aim(light: &Light, at: &Receiver, u: Vec2, time: f32) -> Option<Aim> {
+fn aim(light: &Light, at: &Receiver, u: Vec2, time: f32) -> Option<Aim> {
     match light {
         Light::Point(l) => l.sample(at),
         Light::Spot(l) => l.sample(at),
@@ -238,20 +243,6 @@ pub(super) fn aim(light: &Light, at: &Receiver, u: Vec2, time: f32) -> Option<Ai
         Light::Disc(l) => l.sample(at, u),
         Light::Environment(l) => l.sample(at, u),
         Light::Moving(l) => l.sample(at, u, time),
-    }
-}
-
-/// The density with which a light gives the direction `wi`, the choice of the light aside; 0 for what no ray can hit.
-#[inline(always)]
-fn density(light: &Light, at: &Receiver, wi: Vec3, hit: &HitOnLight) -> f32 {
-    match light {
-        Light::Sphere(l) => l.pdf(at, wi),
-        Light::SphereCap(l) => l.pdf(wi, hit),
-        Light::Triangle(l) => l.pdf(at, wi, hit),
-        Light::Parallelogram(l) => l.pdf(at, wi, hit),
-        Light::Disc(l) => l.pdf(wi, hit),
-        Light::Environment(l) => l.pdf(at, wi),
-        Light::Point(_) | Light::Spot(_) | Light::Directional(_) | Light::Area(_) | Light::Moving(_) => 0.0,
     }
 }
 

@@ -44,6 +44,7 @@ impl SphereLight {
         (d2 + (d2 * power).sqrt()) / (self.radius * self.radius)
     }
 
+    #[inline(always)]
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
         let (to_center, d2, power) = self.seen_from(at.p);
         if power < 0.0 || d2 == 0.0 {
@@ -104,6 +105,7 @@ impl SphereLight {
     }
 
     /// Density of `sample` for a direction that hits the sphere.
+    #[inline(always)]
     pub(crate) fn pdf(&self, at: &Receiver, wi: Vec3) -> f32 {
         let (_, d2, power) = self.seen_from(at.p);
         if power < 0.0 || d2 == 0.0 {

@@ -54,6 +54,7 @@ impl TriangleLight {
             .then(|| SphericalTriangle::new(a + e1, a, a + e2))
     }
 
+    #[inline(always)]
     pub(crate) fn sample(&self, at: &Receiver, u: Vec2) -> Option<Aim> {
         let (e1, e2) = (self.e1.as_dvec3(), self.e2.as_dvec3());
         let target = self.target();
@@ -85,6 +86,7 @@ impl TriangleLight {
     }
 
     /// Density of `sample` for a direction that hits the triangle.
+    #[inline(always)]
     pub(crate) fn pdf(&self, at: &Receiver, wi: Vec3, hit: &HitOnLight) -> f32 {
         match self.seen_near(at.p) {
             Some(seen) => self.target().pdf_along(wi, seen.solid_angle),

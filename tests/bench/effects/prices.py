@@ -38,7 +38,7 @@ Quad(<-1, 0, 1>, <1, 0, 1>, <-1, 2, 1>, Wall)
 Quad(<-1, 0, -3>, <-1, 2, -3>, <1, 0, -3>, White)
 Quad(<-1, 0, -3>, <-1, 0, 1>, <-1, 2, -3>, White)
 Quad(<1, 0, -3>, <1, 2, -3>, <1, 0, 1>, White)
-Quad(<-0.3, 1.99, -0.3>, <-0.3, 1.99, 0.3>, <0.3, 1.99, -0.3>, material {{ diffuse {{ color rgb 0 }} emission rgb 12 }})
+Quad(<-0.3, 2, -0.3>, <-0.3, 2, 0.3>, <0.3, 2, -0.3>, material {{ diffuse {{ color rgb 0 }} emission rgb 12 }})
 sphere {{ <-0.45, 0.35, 0.3>, 0.35 material {{ Ball }} }}
 sphere {{ <0.45, 0.35, -0.2>, 0.35 material {{ Ball }} }}
 {REST}
@@ -46,8 +46,8 @@ sphere {{ <0.45, 0.35, -0.2>, 0.35 material {{ Ball }} }}
 DIFFUSE = "diffuse { color rgb 0.7 }"
 # What makes the balls, the camera, the walls or the air ask for an effect.
 USED = {
-    "textures": {"WALL": 'diffuse { color pigment { image_map { png "checks.png" } } }'},
-    "bump": {"WALL": 'texture { pigment { rgb 0.7 } finish { diffuse 1 } normal { bump_map { png "checks.png" bump_size 0.1 } } }'},
+    "textures": {"WALL": 'diffuse { color pigment { uv_mapping image_map { png "checks.png" } } }'},
+    "bump": {"WALL": 'texture { pigment { rgb 0.7 } finish { diffuse 1 } normal { uv_mapping bump_map { png "checks.png" bump_size 0.1 } } }'},
     "alpha": {"BALL": "texture { pigment { rgbt <0.7, 0.7, 0.7, 0.5> } finish { diffuse 1 } }"},
     "media": {"REST": "media { scattering { 1, rgb 0.3 } }"},
     "media (absorption in glass)": {"BALL": "glass { color rgb 1 ior 1.5 absorption rgb <1, 2, 3> }"},
@@ -64,7 +64,7 @@ USED = {
 # The same effects asked for by one pebble behind the camera, of a hundredth of the balls' size.
 PEBBLE = "sphere {{ <0.5, 0.01, -2.9>, 0.01 material {{ {} }} }}"
 PRESENT = {
-    "textures": 'diffuse { color pigment { image_map { png "checks.png" } } }',
+    "textures": 'diffuse { color pigment { uv_mapping image_map { png "checks.png" } } }',
     "alpha": USED["alpha"]["BALL"],
     "media": "glass { color rgb 1 ior 1.5 absorption rgb <1, 2, 3> }",
     "dispersion": USED["dispersion"]["BALL"],
