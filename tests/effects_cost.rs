@@ -126,14 +126,10 @@ impl Bench {
         .expect("an image is written");
     }
 
-    /// Instructions of eight samples of each of 32 × 32 pixels.
-    fn instructions(&self, scene: &str, flags: &[&str]) -> f64 {
+    /// Counts a scene's instructions.
+    fn count(&self, scene: &str, flags: &[&str]) -> Count {
         let [few, many] = [1, 9].map(|spp| self.instructions_of(scene, spp, flags));
-        assert!(
-            many > few,
-            "{scene}: {many} instructions with more samples, {few} with fewer"
-        );
-        (many - few) as f64
+        Count { few, many }
     }
 
     fn instructions_of(&self, scene: &str, spp: u32, flags: &[&str]) -> u64 {
@@ -165,6 +161,29 @@ impl Bench {
     }
 }
 
+/// Instructions of renders with 1 and with 9 samples of each of 32 × 32 pixels. Waiting for one another makes threads
+/// spin, so that a busy machine adds some; the least of several counts is nearest to the truth.
+#[derive(Clone, Copy)]
+struct Count {
+    few: u64,
+    many: u64,
+}
+
+impl Count {
+    fn or_less(self, other: Count) -> Count {
+        Count {
+            few: self.few.min(other.few),
+            many: self.many.min(other.many),
+        }
+    }
+
+    /// Those of the samples alone.
+    fn of_samples(self) -> f64 {
+        assert!(self.many > self.few, "more samples take fewer instructions");
+        (self.many - self.few) as f64
+    }
+}
+
 /// Whether there is something to count with; where it must be there, its absence is a failure.
 fn can_count() -> bool {
     let found = Command::new("valgrind").arg("--version").output();
@@ -179,13 +198,18 @@ fn can_count() -> bool {
     is_there && (is_needed || !cfg!(debug_assertions))
 }
 
-fn assert_free(what: &str, with: f64, without: f64) {
-    let ratio = with / without;
+/// Counts again, at most twice, before it complains.
+fn assert_free(what: &str, base: Count, count: impl Fn() -> Count) {
+    let mut with = count();
+    for _ in 0..2 {
+        if with.of_samples() <= ALLOWED * base.of_samples() {
+            break;
+        }
+        with = with.or_less(count());
+    }
+    let ratio = with.of_samples() / base.of_samples();
     eprintln!("{ratio:.6} {what}");
-    assert!(
-        ratio <= ALLOWED,
-        "{what}: {with} instructions instead of {without}, a ratio of {ratio:.5}"
-    );
+    assert!(ratio <= ALLOWED, "{what}: {ratio:.5} times the instructions");
 }
 
 #[test]
@@ -195,7 +219,7 @@ fn what_a_text_declares_in_vain_costs_nothing() {
     }
     let bench = Bench::new();
     bench.write("a.pts", TEXT);
-    let base = bench.instructions("a.pts", &[]);
+    let base = bench.count("a.pts", &[]).or_less(bench.count("a.pts", &[]));
     for (what, old, new) in IN_TEXT {
         let text = match old {
             "" => format!("{TEXT}{new}\n"),
@@ -203,7 +227,7 @@ fn what_a_text_declares_in_vain_costs_nothing() {
         };
         assert_ne!(text, TEXT, "{what}");
         bench.write("b.pts", &text);
-        assert_free(what, bench.instructions("b.pts", &[]), base);
+        assert_free(what, base, || bench.count("b.pts", &[]));
     }
 }
 
@@ -214,10 +238,10 @@ fn what_a_model_declares_in_vain_costs_nothing() {
     }
     let bench = Bench::new();
     bench.write("a.mtl", MATERIAL);
-    let base = bench.instructions("a.obj", &[]);
+    let base = bench.count("a.obj", &[]).or_less(bench.count("a.obj", &[]));
     for (what, more) in IN_MODEL {
         bench.write("a.mtl", &format!("{MATERIAL}{more}"));
-        assert_free(what, bench.instructions("a.obj", &[]), base);
+        assert_free(what, base, || bench.count("a.obj", &[]));
     }
 }
 
@@ -229,8 +253,8 @@ fn without_pruning_the_count_is_higher() {
     }
     let bench = Bench::new();
     bench.write("a.mtl", MATERIAL);
-    let base = bench.instructions("a.obj", &["--no-prune"]);
+    let base = bench.count("a.obj", &["--no-prune"]).of_samples();
     bench.write("a.mtl", &format!("{MATERIAL}map_d white.png\nnorm flat.png\n"));
-    let ratio = bench.instructions("a.obj", &["--no-prune"]) / base;
+    let ratio = bench.count("a.obj", &["--no-prune"]).of_samples() / base;
     assert!(ratio > ALLOWED, "an alpha map and a normal map cost {ratio:.5}");
 }
