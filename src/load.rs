@@ -6,17 +6,18 @@
 mod follow;
 mod form;
 mod motion;
+mod reader;
 
-use crate::diag::{Diagnostic, Diagnostics, Severity, SourceMap};
+use crate::diag::{Diagnostic, Diagnostics, SourceMap};
 use crate::files::Files;
 use crate::import::{gltf, obj};
 use crate::lang;
-use crate::scene::{Mesh, Scene};
-use std::collections::HashMap;
+use crate::scene::Scene;
+use reader::{Reader, Remembered};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// The extensions that are understood, for messages.
 pub const KNOWN_EXTENSIONS: &str = ".pts, .pov, .inc, .gltf, .glb, .obj";
@@ -68,9 +69,15 @@ pub fn load(
     let scene = match kind_of(path, files, diags)? {
         Kind::Text => {
             let models = |request: &lang::ModelRequest, diags: &mut Diagnostics| load_model(request, files, diags);
-            let reader = Reader { path, files, options };
+            let texts = &Remembered::new(files);
+            let reader = Reader {
+                path,
+                files,
+                texts,
+                options,
+            };
             let told = reader.options_at(options.clock.unwrap_or(0.0), &models);
-            let mut scene = lang::load(path, files, &told, sources, diags);
+            let mut scene = lang::load(path, texts, &told, sources, diags);
             if let Some(scene) = &mut scene {
                 reader.follow(scene, told.clock_read.load(Ordering::Relaxed), diags);
             }
@@ -88,6 +95,9 @@ pub fn load(
         }
         Kind::Obj => obj::load(path, files, &obj::ObjOptions::default(), diags),
     };
+    if let Some(scene) = &scene {
+        note_stillness(scene, options, diags);
+    }
     if scene.is_none() && !diags.has_errors() {
         let message = format!("`{}` could not be read, and nobody said why", path.display());
         diags.push(Diagnostic::error("L0005", message).hint("this is a mistake in pts, please report it"));
@@ -95,80 +105,15 @@ pub fn load(
     scene.filter(|_| !diags.has_errors())
 }
 
-/// What it takes to read a text scene at several moments.
-struct Reader<'a> {
-    path: &'a Path,
-    files: &'a dyn Files,
-    options: &'a LoadOptions,
-}
-
-impl Reader<'_> {
-    /// What the language is told to read the scene at a moment.
-    fn options_at<'m>(&self, clock: f64, models: &'m lang::ModelLoader<'m>) -> lang::LoadOptions<'m> {
-        lang::LoadOptions {
-            include_dirs: self.options.include_dirs.clone(),
-            defines: self.options.defines.clone(),
-            width: self.options.width,
-            height: self.options.height,
-            clock,
-            opening: Some(self.options.clock.unwrap_or(0.0)),
-            clock_read: AtomicBool::new(false),
-            models,
-        }
+/// Tells that a shutter is open in vain.
+fn note_stillness(scene: &Scene, options: &LoadOptions, diags: &mut Diagnostics) {
+    let shutter = options.shutter.or(scene.defaults.shutter).unwrap_or(0.0);
+    if shutter > 0.0 && !scene.moves() {
+        let note = Diagnostic::note("L0007", "the shutter is open for a while, but nothing moves");
+        diags.push(
+            note.hint("in a text scene `clock` moves things, in a bare glTF its animations do; others stand still"),
+        );
     }
-
-    /// Gives the scene, read when the shutter opens, its motion while it is open.
-    fn follow(&self, scene: &mut Scene, reads_clock: bool, diags: &mut Diagnostics) {
-        let shutter = self.options.shutter.or(scene.defaults.shutter).unwrap_or(0.0);
-        if shutter == 0.0 {
-            return;
-        }
-        if !reads_clock {
-            let message = "the shutter is open for a while, but nothing depends on `clock`: nothing moves";
-            diags.push(Diagnostic::note("L0007", message));
-            return;
-        }
-        let opening = self.options.clock.unwrap_or(0.0);
-        let known = Mutex::new(HashMap::new());
-        let models = |request: &lang::ModelRequest, diags: &mut Diagnostics| {
-            let key = (request.path.clone(), request.scene.clone(), request.variant.clone());
-            let mut known = known.lock().unwrap_or_else(|e| e.into_inner());
-            known
-                .entry(key)
-                .or_insert_with(|| load_model(request, self.files, diags).map(without_vertices))
-                .clone()
-        };
-        let mut read = |share: f64| {
-            let clock = opening + shutter * share;
-            let (mut sources, mut told) = (SourceMap::default(), Diagnostics::default());
-            let options = self.options_at(clock, &models);
-            let scene = lang::load(self.path, self.files, &options, &mut sources, &mut told);
-            scene.ok_or_else(|| {
-                let message =
-                    format!("the scene cannot be read at clock {clock}, while the shutter is open: nothing moves");
-                let first = told.iter().find(|d| d.severity == Severity::Error);
-                let why = first.map_or(String::new(), |d| d.message.clone());
-                let warning = Diagnostic::warning("L0008", message).hint(why);
-                match first.and_then(Diagnostic::primary_span) {
-                    Some(span) => warning.at(span, ""),
-                    None => warning,
-                }
-            })
-        };
-        motion::follow(scene, &mut read, diags);
-    }
-}
-
-/// A model that stands for itself where only places are compared.
-fn without_vertices(mut model: Scene) -> Scene {
-    for mesh in std::sync::Arc::make_mut(&mut model.meshes) {
-        *mesh = Mesh {
-            name: std::mem::take(&mut mesh.name),
-            materials: std::mem::take(&mut mesh.materials),
-            ..Mesh::default()
-        };
-    }
-    model
 }
 
 /// Reads a model that a text scene asks for.

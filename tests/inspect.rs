@@ -56,6 +56,7 @@ fn effects_are_told_with_their_places() {
         "alpha",
         "dispersion",
         "lens",
+        "motion",
         "environment",
         "glossy",
         "translucent",

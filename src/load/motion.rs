@@ -10,6 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Moments at which a scene is read at first, both ends included. Turns that these do not follow are read more finely.
 const FEWEST_KEYS: usize = 9;
+/// Keys that all objects together may have before turns are followed no more finely: 100 bytes each.
+const MOST_IN_ALL: usize = 1 << 22;
 /// Changes that are told one by one.
 const MOST_TOLD: usize = 8;
 
@@ -39,17 +41,27 @@ pub fn follow(scene: &mut Scene, read: &mut dyn FnMut(f64) -> Result<Scene, Diag
                 }
             }
         }
-        if !apply(scene, &poses.values().collect::<Vec<_>>()) || keys == MOST_KEYS {
+        let Applied { wants_more, moving } = apply(scene, &poses.values().collect::<Vec<_>>());
+        let finer = 2 * keys - 1;
+        if !wants_more || finer > MOST_KEYS || moving * finer > MOST_IN_ALL {
             break;
         }
-        keys = 2 * keys - 1;
+        keys = finer;
     }
     tell(&changes, diags);
 }
 
-/// Writes the motion into the scene; whether more keys would follow it better.
-fn apply(scene: &mut Scene, poses: &[&Pose]) -> bool {
-    let mut wants_more = false;
+/// What came of writing a motion into a scene.
+struct Applied {
+    /// Whether more keys would follow it better.
+    wants_more: bool,
+    /// How many objects move.
+    moving: usize,
+}
+
+/// Writes the motion into the scene.
+fn apply(scene: &mut Scene, poses: &[&Pose]) -> Applied {
+    let (mut wants_more, mut moving) = (false, 0);
     let groups = scene.groups.iter_mut().flat_map(|g| &mut g.objects);
     let objects: Vec<&mut Object> = scene.objects.iter_mut().chain(groups).collect();
     for (i, object) in objects.into_iter().enumerate() {
@@ -59,6 +71,7 @@ fn apply(scene: &mut Scene, poses: &[&Pose]) -> bool {
         if is_still {
             continue;
         }
+        moving += 1;
         object.motion.push(DAffine3::IDENTITY);
         object.motion.extend(steps().map(|step| match step {
             Step::At(map) => **map,
@@ -85,7 +98,7 @@ fn apply(scene: &mut Scene, poses: &[&Pose]) -> bool {
             wants_more |= wants_more_keys(&camera.motion.iter().map(camera_frame).collect::<Vec<_>>());
         }
     }
-    wants_more
+    Applied { wants_more, moving }
 }
 
 /// One warning for each thing that changes in more than its place.

@@ -57,6 +57,15 @@ impl Light {
 }
 
 impl Scene {
+    /// Whether anything really moves while the shutter is open.
+    pub fn moves(&self) -> bool {
+        let mut groups = self.groups.iter().flat_map(|g| &g.objects);
+        self.objects.iter().any(Object::moves)
+            || groups.any(Object::moves)
+            || self.cameras.iter().any(Camera::moves)
+            || self.lights.iter().any(Light::moves)
+    }
+
     /// Lets everything stand where it is when the shutter opens.
     pub fn hold_still(&mut self) {
         let groups = self.groups.iter_mut().flat_map(|g| &mut g.objects);

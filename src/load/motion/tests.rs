@@ -1,7 +1,7 @@
 //! Text scenes with a shutter: what they say of places follows, what they say of anything else is told.
 
 use crate::diag::{Diagnostics, Severity, SourceMap};
-use crate::files::MemoryFiles;
+use crate::files::{Files, MemoryFiles};
 use crate::load::{LoadOptions, load};
 use crate::scene::{LightKind, Object, Scene, Shape};
 use glam::{DAffine3, DVec3};
@@ -16,6 +16,7 @@ fn read(text: &str, options: LoadOptions) -> (Scene, Vec<String>) {
         Some(span) => format!("{} {}", sources.place(span), d.message),
         None => d.message.clone(),
     };
+    assert_eq!(files.opened().len(), 1, "the text is read once");
     let told: Vec<String> = diags
         .iter()
         .filter(|d| d.severity != Severity::Error)
@@ -158,7 +159,7 @@ fn what_changes_otherwise_is_told() {
         ),
         ("light_source { 5, rgb clock }", "a lamp changes its light"),
         ("background { rgb clock }", "the environment changes"),
-        ("box { 0, 1 scale (2.5 - clock) }", "cannot be read at clock 2.5"),
+        ("#if (clock = 2.5) #error \"no\" #end", "cannot be read at clock 2.5"),
     ];
     for (line, message) in cases {
         let (scene, told) = open(&format!("{base}{line}"));
