@@ -64,7 +64,7 @@ pub enum Command {
     /// Read scenes and everything they use, and report all mistakes, without rendering.
     Check(CheckArgs),
     /// Show what a scene calls for and who calls for it, what is pruned because the picture does not need it, and how large it is.
-    Inspect(InspectArgs),
+    Inspect(Box<InspectArgs>),
     /// Measure how far an image is from a reference, and whether noise explains it.
     #[command(after_help = COMPARE_EXIT_CODES)]
     Compare(CompareArgs),

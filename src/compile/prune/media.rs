@@ -5,11 +5,12 @@
 use super::fold::Facts;
 use super::surfaces::is_solid;
 use super::{Notes, Pass, Pruned, Saved};
-use crate::scene::{Fog, Material, Medium, SurfaceModel};
+use crate::scene::{Fog, Material, Medium, Place, SurfaceModel};
 
 /// Takes out media that do nothing.
 pub fn pass(pruned: &mut Pruned<'_>) {
     pruned.each_material(Pass::Media, simplify);
+    atmosphere(pruned);
     fogs(pruned);
 }
 
@@ -31,6 +32,17 @@ fn simplify(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
     }
     if material.interior != Medium::default() && (material.interior.is_clear() || !is_solid(facts.scene, material)) {
         material.interior = Medium::default();
+    }
+}
+
+/// An atmosphere that is written down and does nothing is told once.
+fn atmosphere(pruned: &mut Pruned<'_>) {
+    if pruned.scene.atmosphere.is_clear() && pruned.scene.atmosphere_place != Place::None {
+        let scene = pruned.scene.to_mut();
+        scene.atmosphere = Medium::default();
+        let place = std::mem::take(&mut scene.atmosphere_place);
+        let why = "it neither absorbs nor scatters nor shines";
+        pruned.tell(Pass::Media, "atmosphere", "", why, &place, Saved::default());
     }
 }
 

@@ -3,7 +3,7 @@
 //! Where a dark environment was one of several lights, the others are chosen with other probabilities.
 
 use super::{Pass, Pruned, Saved};
-use crate::scene::{EnvironmentKind, Scene};
+use crate::scene::{EnvironmentKind, Place, Scene};
 use glam::DVec3;
 
 /// What the description itself tells.
@@ -18,7 +18,7 @@ pub fn pass(pruned: &mut Pruned<'_>) {
     let hidden = hidden.then_some("it lights nothing, and a backdrop is seen instead");
     match dark.or(hidden) {
         Some(why) if environment.kind != EnvironmentKind::Black => darken(pruned, why),
-        _ => {}
+        _ => tell_black(pruned),
     }
     let environment = &pruned.scene.environment;
     // Rays to infinity look the same in either; the backdrop is asked first.
@@ -29,6 +29,16 @@ pub fn pass(pruned: &mut Pruned<'_>) {
     };
     if is_double {
         pruned.scene.to_mut().environment.backdrop = None;
+    }
+}
+
+/// A black environment that is written down is told, once, though there is nothing to take out.
+fn tell_black(pruned: &mut Pruned<'_>) {
+    let environment = &pruned.scene.environment;
+    let is_told = pruned.what.iter().any(|r| r.pass == Pass::Sky);
+    if environment.kind == EnvironmentKind::Black && environment.place != Place::None && !is_told {
+        let place = environment.place.clone();
+        pruned.tell(Pass::Sky, "environment", "", "it is black", &place, Saved::default());
     }
 }
 

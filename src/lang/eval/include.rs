@@ -48,14 +48,6 @@ impl Interp<'_> {
         }
     }
 
-    /// The path of an image named in the scene; an error if there is none.
-    pub fn asset(&mut self, name: &str, span: Span) -> Parsed<PathBuf> {
-        match self.locate(name, span, &[""])? {
-            Some(path) => Ok(path),
-            None => Err(self.not_found(name, span)),
-        }
-    }
-
     fn not_found(&mut self, name: &str, span: Span) -> super::Stop {
         if self.is_silent() {
             return super::Stop;

@@ -5,6 +5,7 @@ use crate::lang::desc::{Desc, Pigment, SkyDesc};
 use crate::lang::eval::{Interp, Parsed, Stop, T, Value};
 use crate::lang::syntax::Word;
 use glam::DVec3;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 impl Interp<'_> {
@@ -84,7 +85,10 @@ impl Interp<'_> {
                         s.bump();
                         let at = s.peek().span;
                         let name = s.text("the image's file")?;
-                        image = Some(s.asset(&name, at)?);
+                        image = match s.locate(&name, at, &[""])? {
+                            Some(path) => Some(Ok(path)),
+                            None => Some(Err((PathBuf::from(&*name), s.missing(&name, at)))),
+                        };
                     }
                     T::Word(Word::Strength) => {
                         s.bump();
@@ -101,6 +105,13 @@ impl Interp<'_> {
                     _ => return Err(s.unexpected("`environment`", TEXTS, tok)),
                 }
             }
+            let image = match image {
+                // Of no strength it is not needed.
+                Some(Err((path, _))) if strength == 0.0 => Some(path),
+                Some(Err((_, missing))) => return Err(s.report(missing)),
+                Some(Ok(path)) => Some(path),
+                None => None,
+            };
             match (image, color) {
                 (Some(path), _) => Ok(SkyDesc::Image { path, strength, rotate }),
                 (None, Some(color)) => Ok(SkyDesc::Color(color * strength, None)),
