@@ -420,7 +420,11 @@ impl Material {
             n = mapped_normal(map, cx, ns).unwrap_or(ns);
         }
         if let Some(map) = &self.bump_map {
-            n = bumped_normal(map, cx, n).unwrap_or(n);
+            // Which side of a sheet is its front is often chance, so it is raised towards the viewer, as in POV-Ray;
+            // a solid has one shape, from inside too.
+            let is_behind = ng.dot(wo) < 0.0 && !self.interior;
+            let scale = if is_behind { -map.scale } else { map.scale };
+            n = bumped_normal(&BumpMap { scale, ..*map }, cx, n).unwrap_or(n);
         }
         if n != ng {
             n = if ng.dot(wo) < 0.0 {

@@ -91,8 +91,8 @@ pub struct NormalMap {
     pub scale: f64,
 }
 
-/// A relief: white texels (by luminance) stand `scale` texels above black ones, against the geometric normal's side if
-/// it is negative. Heights in texels make slopes that depend neither on the size of the surface nor on how often the
+/// A relief: white texels (by luminance) stand `scale` texels above black ones, on the outside of solids that light
+/// enters and on the viewer's side of everything else. Heights in texels make slopes that depend neither on the size of the surface nor on how often the
 /// image repeats on it; that is POV-Ray's meaning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BumpMap {

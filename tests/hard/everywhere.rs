@@ -22,6 +22,8 @@ fn every_pixel_of_a_lossless_furnace_is_one() {
     let materials =
         ["0", "2", "3", "7", "10"].map(|which| ("tests/hard/furnace/materials.pts", vec![("Which", which)]));
     let others = [
+        ("tests/hard/furnace/relief.pts", vec![("Which", "0")]),
+        ("tests/hard/furnace/relief.pts", vec![("Which", "1")]),
         ("tests/hard/furnace/nested.pts", vec![]),
         ("tests/hard/camera/inside_glass.pts", vec![]),
     ];

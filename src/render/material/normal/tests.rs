@@ -119,6 +119,19 @@ fn a_skew_frame_keeps_the_slopes_along_its_axes() {
     );
 }
 
+/// A sheet is raised towards whoever looks at it; a solid has one shape, whose dents are bumps from inside.
+#[test]
+fn a_relief_is_raised_towards_the_viewer_unless_it_is_a_solids() {
+    let world = relief(ramp(0.1, 0.0), 8, Affine2::IDENTITY, [Vec3::X, Vec3::Y]);
+    let mut m = white();
+    m.bump_map = Some(BumpMap { texture: 0, scale: 1.0 });
+    // Normals on the side of ng. Seen from behind, the mirror image in the surface has the slope to the viewer.
+    let lean = |m: &Material, wo: Vec3| m.shading_frame(&world.shading(), Vec3::Z, Vec3::Z, wo).n.x;
+    assert!(lean(&m, Vec3::Z) < 0.0 && lean(&m, -Vec3::Z) > 0.0);
+    m.interior = true;
+    assert!(lean(&m, Vec3::Z) < 0.0 && lean(&m, -Vec3::Z) < 0.0);
+}
+
 /// What is flat, or has no frame or image, changes no bit of any normal.
 #[test]
 fn a_flat_relief_leaves_the_normal_alone() {
