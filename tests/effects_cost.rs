@@ -245,6 +245,24 @@ fn what_a_model_declares_in_vain_costs_nothing() {
     }
 }
 
+/// A scene of plain surfaces takes at most 0.95 of what it takes when every effect is carried along, and media alone,
+/// which have a kernel of their own, are more than a run-time question.
+#[test]
+fn the_kernel_of_plain_surfaces_is_cheaper_than_that_of_everything() {
+    if !can_count() {
+        return;
+    }
+    let bench = Bench::new();
+    let plain = TEXT.replace("glass { color rgb 1 ior 1.5 }", "specular { color rgb 0.9 }");
+    for (name, text) in [("plain.pts", plain.as_str()), ("glass.pts", TEXT)] {
+        bench.write(name, text);
+        let own = bench.count(name, &[]).of_samples();
+        let all = bench.count(name, &["--force-effects", "all"]).of_samples();
+        eprintln!("{:.4} {name}", own / all);
+        assert!(own <= 0.95 * all, "{name}: {:.4} of all effects", own / all);
+    }
+}
+
 /// The same things do cost something where they are not pruned: the tests above would see it.
 #[test]
 fn without_pruning_the_count_is_higher() {
