@@ -2,9 +2,13 @@
 
 mod support;
 
+use pts::compile::compile_pruned;
+use pts::compile::prune::{Pruned, prune};
 use pts::diag::{Diagnostics, Severity, SourceMap};
 use pts::files::DiskFiles;
 use pts::load::{LoadOptions, load};
+use pts::render::driver;
+use pts::render::report::Silent;
 use pts::render::settings::Settings;
 use std::fs;
 use support::scenes;
@@ -53,5 +57,25 @@ fn every_scene_renders_without_anomalies() {
         let shot = scenes::ready(&name, &[], [32, 24]).shoot(&Settings::new(32, 24, 8));
         let mean: f32 = shot.picture.rgb.iter().flatten().sum::<f32>() / (3.0 * 32.0 * 24.0);
         assert!(mean > 0.005 && mean < 20.0, "{name}: mean {mean}");
+    }
+}
+
+/// The gallery declares little in vain, and nothing that lights depend on: pruned and unpruned pictures have the same bits.
+#[test]
+fn pruning_changes_no_bit() {
+    let (files, settings) = (DiskFiles::default(), Settings::new(24, 16, 4));
+    for name in gallery() {
+        let (mut sources, mut diags) = (SourceMap::default(), Diagnostics::default());
+        let path = scenes::path(&name);
+        let scene = load(&path, &files, &LoadOptions::default(), &mut sources, &mut diags).expect("it loads");
+        let bits = |pruned: Pruned<'_>| {
+            let compiled = compile_pruned(pruned, 24, 16, &settings.technique, &mut Diagnostics::default());
+            let (picture, _) = driver::render(&compiled.expect("it compiles"), &settings, &Silent);
+            let numbers = picture.rgb.iter().flatten().map(|v| v.to_bits());
+            numbers.collect::<Vec<_>>()
+        };
+        let pruned = prune(&scene, &files, &mut diags);
+        assert!(pruned.keeps_bits(), "{name}: {:?}", pruned.what);
+        assert!(bits(pruned) == bits(Pruned::untouched(&scene, &files)), "{name}");
     }
 }
