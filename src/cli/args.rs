@@ -227,7 +227,7 @@ pub struct LoadArgs {
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = values::finite, help_heading = SCENE)]
     pub clock: Option<f64>,
     /// How long the shutter is open, in units of the clock: what moves meanwhile is blurred. 0 shows a moment [default: the scene's, or 0].
-    #[arg(long, value_name = "S", value_parser = values::factor, help_heading = SCENE)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = values::factor, help_heading = SCENE)]
     pub shutter: Option<f64>,
     /// Which scene of a bare glTF to show, by name [default: the file's default scene].
     #[arg(long, value_name = "NAME", help_heading = SCENE)]

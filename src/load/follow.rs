@@ -192,7 +192,7 @@ impl Follower<'_> {
                 if is_same_form {
                     return Some(DAffine3::from_translation(b.center - a.center));
                 }
-                self.tell("the vertices of a mesh move by themselves", STANDS, &object.place);
+                self.tell("a mesh changes its vertices", STANDS, &object.place);
                 return None;
             }
             (a, b) => {

@@ -1,6 +1,6 @@
 //! How things move while the shutter is open.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 /// Placements at equal steps of the time that the shutter is open, linear in between.
 ///
@@ -25,13 +25,19 @@ impl Motion {
         &self.keys
     }
 
+    /// By how much the origin is moved at a time in [0, 1].
+    pub fn shift_at(&self, time: f32) -> DVec3 {
+        let (i, w) = step(self.keys.len(), time);
+        self.keys[i].translation * (1.0 - w) + self.keys[i + 1].translation * w
+    }
+
     /// The placement at a time in [0, 1].
     pub fn at(&self, time: f32) -> DAffine3 {
         let (i, w) = step(self.keys.len(), time);
         let (a, b) = (&self.keys[i], &self.keys[i + 1]);
         DAffine3 {
             matrix3: a.matrix3 * (1.0 - w) + b.matrix3 * w,
-            translation: a.translation * (1.0 - w) + b.translation * w,
+            translation: self.shift_at(time),
         }
     }
 }
@@ -49,7 +55,7 @@ pub fn step(keys: usize, time: f32) -> (usize, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DMat3, DVec3};
+    use glam::DMat3;
 
     #[test]
     fn keys_are_met_and_ways_between_them_are_straight() {

@@ -155,7 +155,7 @@ fn what_changes_otherwise_is_told() {
         ),
         (
             "mesh { triangle { 0, x, <0, clock, 0> } triangle { 0, x, z } }",
-            "the vertices of a mesh move",
+            "a mesh changes its vertices",
         ),
         ("light_source { 5, rgb clock }", "a lamp changes its light"),
         ("background { rgb clock }", "the environment changes"),

@@ -92,6 +92,7 @@ impl MeshTree {
     /// it meets the plane. Returns how far in front of it a
     /// ray may seem to meet its neighbours in the same plane: edge functions and corners are rounded to f32, which
     /// moves the ray and the surface against each other by up to γ(16) of their extent, and along the ray by 1/cos as much.
+    #[inline(always)]
     pub fn intersect_one(&self, line: Line, id: u32, corners: [Vec3; 3], found: &mut Candidates) -> f64 {
         let (line, shift) = nearer(line);
         let corners = corners.map(|p| (p.as_dvec3() / self.unit).as_vec3());

@@ -295,13 +295,17 @@ impl SceneTree {
         };
         let mut end = Candidates::new(&free);
         let mut room = 0.0;
-        match (self.located(ray.to.object, ray), corners) {
-            (Some((Target::Mesh { mesh, tree_from_world }, o, d)), Some(corners)) => {
+        match (self.targets.get(ray.to.object as usize), corners) {
+            (Some(Target::Mesh { mesh, tree_from_world }), Some(corners)) => {
                 end.enter(ray.to.object, &free);
-                let line = line_in(tree_from_world, o, d);
+                let line = line_in(tree_from_world, ray.origin.as_dvec3(), ray.direction());
                 room = self.meshes[*mesh as usize].intersect_one(line, ray.to.prim, corners, &mut end);
             }
-            (Some((Target::Mesh { .. }, ..)) | None, _) => {}
+            (Some(Target::Mesh { .. }) | None, _) => {}
+            (Some(Target::Moving(moving)), Some(corners)) => {
+                end.enter(ray.to.object, &free);
+                room = self.end_on_moving(moving, ray, corners, &mut end);
+            }
             _ => self.meet::<false, Baseline>(ray.to.object, &free, &mut end),
         }
         if end.prim == ray.to {
@@ -312,7 +316,20 @@ impl SceneTree {
         }
     }
 
+    /// Where a ray ends on a triangle of a mesh that moves; the room around that.
+    #[inline(never)]
+    fn end_on_moving(&self, moving: &MovingTarget, ray: &Ray, corners: [Vec3; 3], end: &mut Candidates) -> f64 {
+        match (moving.still(), moving.line(ray)) {
+            (Target::Mesh { mesh, tree_from_world }, Some((o, d))) => {
+                let line = line_in(tree_from_world, o, d);
+                self.meshes[*mesh as usize].intersect_one(line, ray.to.prim, corners, end)
+            }
+            _ => 0.0,
+        }
+    }
+
     /// What a ray meets of an object at its time, and the ray's origin and direction as that sees them.
+    #[cfg(test)]
     fn located(&self, object: u32, ray: &Ray) -> Option<(&Target, DVec3, DVec3)> {
         match self.targets.get(object as usize)? {
             Target::Moving(moving) => moving.line(ray).map(|(o, d)| (moving.still(), o, d)),

@@ -148,6 +148,7 @@ pub(super) fn weights(b: Vec2) -> [f64; 3] {
 
 /// Where the ray meets the plane of the triangle, moved into the triangle where rounding led the ray beside it, and both
 /// normals. Formed from the corners, so that it lies in the plane to the rounding of f64 however far the ray came.
+#[inline(always)]
 fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, ray: &Ray, hit: &Hit) -> Option<Point> {
     let [v0, v1, v2] = mesh.corners(hit.prim.prim)?.map(|v| v.as_dvec3());
     let cross = (v1 - v0).cross(v2 - v0);

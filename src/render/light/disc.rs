@@ -34,6 +34,7 @@ impl DiscLight {
         self.axis1.cross(self.axis2) * (std::f64::consts::PI * whole)
     }
 
+    #[inline(always)]
     fn target(&self) -> FlatTarget {
         FlatTarget {
             normal: self.normal_area(),

@@ -22,6 +22,7 @@ pub(crate) struct FlatTarget {
 impl FlatTarget {
     /// Direction, density per solid angle and distance of the point `q`; `None` where q is p itself, where the
     /// surface is seen edge-on or from a dark side, and where the density is no finite number.
+    #[inline(always)]
     pub fn aim_at(&self, at: &Receiver, q: DVec3) -> Option<(DVec3, f32, f64)> {
         let d = q - at.p.as_dvec3();
         let t2 = d.length_squared();
@@ -36,6 +37,7 @@ impl FlatTarget {
     /// plane, with L the size of the light and |q| ≤ |p| + t: the rounding of its corners, of wi, of the ray in the
     /// mesh's space and of the corners seen from there move the place of meeting by at most 12ut + 2u|p| + 17uL (√3 of each
     /// rounding by axis). Along the ray that is 1/cos as much. As the cosine vanishes nothing blocks, nor is there light.
+    #[inline(always)]
     pub fn shadow_end(&self, at: &Receiver, wi: Vec3, t: f64, size: f64) -> (f32, f32) {
         let cos = (wi.as_dvec3().dot(self.normal) / self.normal.length()).abs();
         let across = (f64::from(at.p.abs().max_element()) + t + size) * f64::from(gamma(20));
@@ -43,6 +45,7 @@ impl FlatTarget {
         (t_max as f32, (1.0 / cos) as f32)
     }
 
+    #[inline(always)]
     pub fn pdf(&self, wi: Vec3, distance: f32) -> f32 {
         let t = f64::from(distance);
         self.density(wi.as_dvec3(), t * t).unwrap_or(0.0)
@@ -50,6 +53,7 @@ impl FlatTarget {
 
     /// Whether a polygon with the corner at `a` and the middle at `center`, both relative to the receiver, is to be
     /// sampled by solid angle. Receivers in its plane, or as good as in it, and at its corners leave that to the area.
+    #[inline(always)]
     pub fn is_near(&self, a: DVec3, center: DVec3) -> bool {
         let area = self.normal.length();
         area > NEAR * center.length_squared() && a.dot(self.normal).abs() > EDGE_ON * area * a.length()
@@ -57,6 +61,7 @@ impl FlatTarget {
 
     /// Completes a direction sampled with density 1/`solid_angle`: density, distance, and coordinates on the surface
     /// that begins at `corner` with edges e1 and e2; `None` like [`FlatTarget::aim_at`].
+    #[inline(always)]
     pub fn aim_along(
         &self,
         at: &Receiver,
@@ -73,10 +78,12 @@ impl FlatTarget {
         (t > 0.0 && b.is_finite()).then_some((w, pdf, t, b))
     }
 
+    #[inline(always)]
     pub fn pdf_along(&self, wi: Vec3, solid_angle: f64) -> f32 {
         self.density_along(wi, solid_angle).unwrap_or(0.0)
     }
 
+    #[inline(always)]
     fn density_along(&self, wi: Vec3, solid_angle: f64) -> Option<f32> {
         let cos = -wi.as_dvec3().dot(self.normal);
         if cos > 0.0 || (self.two_sided && cos < 0.0) {
@@ -87,6 +94,7 @@ impl FlatTarget {
     }
 
     /// t²/(A·cos).
+    #[inline(always)]
     fn density(&self, wi: DVec3, t2: f64) -> Option<f32> {
         let area_cos = -wi.dot(self.normal);
         let area_cos = if self.two_sided { area_cos.abs() } else { area_cos };

@@ -33,6 +33,7 @@ impl ParallelogramLight {
         self.e1.as_dvec3().cross(self.e2.as_dvec3())
     }
 
+    #[inline(always)]
     fn target(&self) -> FlatTarget {
         FlatTarget {
             normal: self.normal_area(),

@@ -32,11 +32,13 @@ pub struct TriangleLight {
 impl TriangleLight {
     /// e1 × e2: towards the front, twice as long as the area. In f64, where the products of f32 neither cancel nor
     /// under- or overflow.
+    #[inline(always)]
     pub(crate) fn normal_twice_area(&self) -> DVec3 {
         let n = self.e1.as_dvec3().cross(self.e2.as_dvec3());
         if self.flipped { -n } else { n }
     }
 
+    #[inline(always)]
     fn target(&self) -> FlatTarget {
         FlatTarget {
             normal: self.normal_twice_area() * 0.5,
@@ -45,6 +47,7 @@ impl TriangleLight {
     }
 
     /// The triangle on the sphere of directions, if it is near enough for that to pay.
+    #[inline(always)]
     fn seen_near(&self, p: Vec3) -> Option<SphericalTriangle> {
         let a = self.p0 - p.as_dvec3();
         let (e1, e2) = (self.e1.as_dvec3(), self.e2.as_dvec3());
