@@ -4,7 +4,7 @@ use crate::diag::{Diagnostic, Diagnostics};
 use crate::render::medium as engine;
 use crate::render::medium::fog as engine_fog;
 use crate::render::medium::phase;
-use crate::scene::{Fog, Medium, Phase, Place, Scene};
+use crate::scene::{Fog, Medium, Phase, Scene};
 use glam::DVec3;
 
 /// The table of media; equal ones share a place, and the first is the clear one.
@@ -41,7 +41,7 @@ impl Media {
             let hint = "give the top-level `media` some absorption or scattering, or put it inside an object";
             diags.push(super::at_place(
                 Diagnostic::error("C0401", message).hint(hint),
-                &Place::None,
+                &scene.atmosphere_place,
             ));
             return engine::CLEAR;
         }

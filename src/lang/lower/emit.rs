@@ -66,10 +66,8 @@ impl Interp<'_> {
         self.emit_environment(&mut out);
         let media = std::mem::take(&mut self.scene.media);
         out.atmosphere = self.medium_of(&media);
-        out.atmosphere_place = media.first().map_or(Place::None, |m| Place::Text(m.span));
-        if let (Some(first), true) = (media.first(), out.atmosphere.is_clear()) {
-            self.note_idle("medium", "it takes, scatters and emits no light", first.span);
-        }
+        let first = media.iter().find(|m| !m.is_clear());
+        out.atmosphere_place = first.map_or(Place::None, |m| Place::Text(m.span));
         self.emit_fogs(&mut out);
         out.left_out.extend(self.take_unread());
         self.emit_left_out(&mut out);

@@ -184,15 +184,21 @@ impl Interp<'_> {
     /// POV-Ray's index is n·ratio^((555 nm − λ)/350 nm), from 380 to 730 nm (its `spectral.h`); Abbe's number is
     /// (n − 1)/(n_F − n_C), at 486.13 and 656.27 nm.
     fn dispersion(&mut self, ior: f64, ratio: f64, at: Span) -> f64 {
+        if ratio == 1.0 {
+            if self.told_first(&format!("dispersion 1 at {at:?}")) {
+                self.note_idle("dispersion", "its ratio is 1: all colours are bent alike", at);
+            }
+            return 0.0;
+        }
         let index = |nm: f64| ior * ratio.powf((555.0 - nm) / 350.0);
         let over_abbe = 20.0 * (index(486.13) - index(656.27)) / (ior - 1.0);
-        if ratio != 1.0 && !(over_abbe > 0.0 && over_abbe.is_finite()) {
+        if !(over_abbe > 0.0 && over_abbe.is_finite()) {
             let message =
                 format!("`dispersion {ratio}` of `ior {ior}` spreads no colours as a material does, left out");
             self.warn_once("P0409", at, message);
             return 0.0;
         }
-        if ratio == 1.0 { 0.0 } else { over_abbe }
+        over_abbe
     }
 
     /// The part of `ambient` that means a glowing surface.

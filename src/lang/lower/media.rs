@@ -185,7 +185,14 @@ impl Interp<'_> {
     /// Several media in one place as one.
     pub(super) fn medium_of(&mut self, media: &[Rc<MediaDesc>]) -> Medium {
         let mut all = Medium::default();
-        for m in media.iter().filter(|m| !m.is_clear()) {
+        for m in media {
+            if m.is_clear() {
+                // Solids may share it.
+                if self.told_first(&format!("clear medium at {:?}", m.span)) {
+                    self.note_idle("medium", "it takes, scatters and emits no light", m.span);
+                }
+                continue;
+            }
             if let Some((word, at)) = m.pattern {
                 let message =
                     format!("`{word}` is not supported yet: the medium is as dense everywhere as in the mean");
@@ -216,5 +223,37 @@ impl Interp<'_> {
             });
         }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diag::{Diagnostics, SourceMap};
+    use crate::files::MemoryFiles;
+    use crate::lang::{LoadOptions, ModelRequest, load_bytes};
+    use std::path::Path;
+
+    /// What a scene leaves out, by kind.
+    fn left_out(text: &str) -> Vec<&'static str> {
+        let (mut sources, mut diags) = (SourceMap::default(), Diagnostics::default());
+        let none = |_: &ModelRequest, _: &mut Diagnostics| None;
+        let (files, options) = (MemoryFiles::default(), LoadOptions::new(&none));
+        let path = Path::new("a.pts");
+        let scene = load_bytes(path, text.as_bytes(), &files, &options, &mut sources, &mut diags);
+        scene.unwrap_or_default().left_out.iter().map(|l| l.kind).collect()
+    }
+
+    #[test]
+    fn what_comes_to_nothing_is_told_once() {
+        let ball = |inside: &str| format!("sphere {{ 0, 1 hollow pigment {{ rgbt 1 }} interior {{ {inside} }} }}");
+        assert_eq!(left_out(&ball("media { scattering { 1, 0 } }")), ["medium"]);
+        assert_eq!(left_out(&ball("media { absorption 1 density { rgb 0 } }")), ["medium"]);
+        assert_eq!(left_out(&ball("ior 1.5 dispersion 1")), ["dispersion"]);
+        assert!(left_out(&ball("ior 1.5 dispersion 1.1 media { absorption 1 }")).is_empty());
+        let shared = "#declare I = interior { media { emission 0 } };\n\
+            sphere { 0, 1 hollow pigment { rgbt 1 } interior { I } }\n\
+            sphere { x, 1 hollow pigment { rgbt <1, 0, 0, 1> } interior { I } }";
+        assert_eq!(left_out(shared), ["medium"]);
+        assert_eq!(left_out("media { absorption 0 } media { absorption 1 }"), ["medium"]);
     }
 }
