@@ -61,8 +61,8 @@ USED = {
     "glossy": {"BALL": "glossy { color rgb 0.7 roughness 0.3 }"},
     "translucent": {"BALL": "translucent { color rgb 0.7 transmit 0.5 }"},
 }
-# The same effects asked for by one pebble behind the camera, of a hundredth of the balls' size.
-PEBBLE = "sphere {{ <0.5, 0.01, -2.9>, 0.01 material {{ {} }} }}"
+# The same effects asked for by one pebble behind the camera, of a seventh of the balls' size.
+PEBBLE = "sphere {{ <0.5, 0.05, -2.9>, 0.05 material {{ {} }} }}"
 PRESENT = {
     "textures": 'diffuse { color pigment { uv_mapping image_map { png "checks.png" } } }',
     "alpha": USED["alpha"]["BALL"],
@@ -73,7 +73,7 @@ PRESENT = {
     "glossy": USED["glossy"]["BALL"],
     "translucent": USED["translucent"]["BALL"],
 }
-PRESENT_REST = {"motion": "render { shutter 1 } sphere { <0.5, 0.01 + 0.01*clock, -2.9>, 0.01 material { White } }"}
+PRESENT_REST = {"motion": "render { shutter 1 } sphere { <0.5, 0.05 + 0.01*clock, -2.9>, 0.05 material { White } }"}
 # Declared, and without any effect.
 UNUSED = {
     "material": "#declare Spare = material { glass { color rgb 1 ior 1.5 dispersion 30 } }",
