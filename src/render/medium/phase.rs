@@ -36,7 +36,7 @@ impl Phase {
             Phase::Rayleigh => 0.75 * (1.0 + cos * cos),
             Phase::Mie(n) => {
                 let h = 0.5 * (1.0 + cos);
-                0.5 + 0.5 * (f64::from(n) + 1.0) * h.powi(i32::from(n))
+                0.5 + 0.5 * (f64::from(n) + 1.0) * libm::pow(h, f64::from(n))
             }
         };
         (times_4_pi / (4.0 * PI)) as f32
