@@ -23,7 +23,7 @@ sphere { <0, -0.6, -1.5>, 0.4 pigment { rgb 0.7 } finish { diffuse 0.8 } }
 ";
 
 /// What is written in vain: its name, what it replaces (nothing: it is added at the end), and what is written.
-const IN_TEXT: [(&str, &str, &str); 14] = [
+const IN_TEXT: [(&str, &str, &str); 15] = [
     (
         "a material that nothing has",
         "",
@@ -42,6 +42,7 @@ const IN_TEXT: [(&str, &str, &str); 14] = [
         "angle 40",
         "angle 40 lens_radius 0 focus_distance 3",
     ),
+    ("a shutter over what stands still", "", "render { shutter 1 }"),
     ("a black environment", "", "environment { color rgb 0 }"),
     ("a black background", "", "background { rgb 0 }"),
     ("a dark lamp", "", "light_source { <0, 9, 0> rgb 0 }"),
