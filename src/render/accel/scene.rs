@@ -477,9 +477,14 @@ impl SceneTree {
 /// The ray in the unit of a mesh's tree.
 #[inline(always)]
 fn line_in(tree_from_world: &DAffine3, o: DVec3, d: DVec3) -> Line {
+    // What glam computes, inlined wherever it stands.
+    let DAffine3 {
+        matrix3: m,
+        translation,
+    } = *tree_from_world;
     Line {
-        o: tree_from_world.transform_point3(o),
-        d: tree_from_world.transform_vector3(d),
+        o: (m.x_axis * o.x) + (m.y_axis * o.y) + (m.z_axis * o.z) + translation,
+        d: (m.x_axis * d.x) + (m.y_axis * d.y) + (m.z_axis * d.z),
     }
 }
 

@@ -183,6 +183,7 @@ fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, ray: &Ray, hit: &Hit)
 
 /// Barycentric weights of the point of the triangle next to `p`, which lies beside it at most by rounding; `cross` is
 /// twice its area along the normal. `None` if that is too small to tell.
+#[inline(always)]
 fn inside([v0, v1, v2]: [DVec3; 3], cross: DVec3, p: DVec3) -> Option<[f64; 3]> {
     let (e1, e2, d) = (v1 - v0, v2 - v0, p - v0);
     let b1 = d.cross(e2).dot(cross).max(0.0);
