@@ -250,14 +250,16 @@ fn a_budget_is_kept() {
 #[test]
 fn an_effect_that_does_nothing_is_not_told_from_noise() {
     let bench = Bench::new();
-    // An image whose texels are all alike is its own mean.
-    let grey = pts::output::Layers::from_rgb(2, 2, vec![[0.5; 3]; 4]);
+    // Where it is seen, the image is its own mean; two texels in unseen corners differ, or it would be pruned.
+    let mut texels = vec![[0.5; 3]; 256];
+    (texels[0], texels[255]) = ([0.25; 3], [0.75; 3]);
+    let grey = pts::output::Layers::from_rgb(16, 16, texels);
     let how = pts::output::Develop {
         dither: false,
         ..Default::default()
     };
-    pts::output::write(&bench.path("flat.png"), &grey, &how, &serde_json::json!({})).expect("written");
-    let model = "mtllib quad.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+    pts::output::write(&bench.path("flat.exr"), &grey, &how, &serde_json::json!({})).expect("written");
+    let model = "mtllib quad.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0.2 0.2\nvt 0.8 0.2\nvt 0.8 0.8\nvt 0.2 0.8\n\
                  usemtl a\nf 1/1 2/2 3/3 4/4\n";
     let scene = "
         camera { location <0, 0, -3> look_at 0 angle 60 }
@@ -265,7 +267,7 @@ fn an_effect_that_does_nothing_is_not_told_from_noise() {
         sphere { <0, 0, -0.5>, 0.3 material { diffuse { color rgb 0.7 } } }
         light_source { <3, 4, -5>, rgb 1 }
     ";
-    let material = "newmtl a\nKd 1 1 1\nmap_Kd flat.png\nillum 1\n";
+    let material = "newmtl a\nKd 1 1 1\nmap_Kd flat.exr\nillum 1\n";
     for (name, text) in [("quad.obj", model), ("quad.mtl", material), ("flat.pts", scene)] {
         std::fs::write(bench.path(name), text).expect("written");
     }

@@ -6,6 +6,7 @@
 
 pub mod bounds;
 pub mod build;
+pub mod instructions;
 pub mod mesh;
 mod moving;
 pub mod node;

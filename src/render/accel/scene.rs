@@ -1,5 +1,7 @@
 //! The two-level structure: a tree over the objects, a tree in each mesh, and beside them the planes and few spheres.
 
+pub use super::instructions::Instructions;
+
 use super::bounds::Bounds;
 use super::build::build_tree;
 use super::mesh::MeshTree;
@@ -47,26 +49,6 @@ pub struct Item<'a> {
     pub visibility: u8,
     /// How it moves from there, if it does.
     pub motion: Option<&'a Motion>,
-}
-
-/// Which instructions the walk is compiled for. Both give the same bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Instructions {
-    /// What every machine of the target has.
-    Baseline,
-    /// 256-bit vectors.
-    Avx2,
-}
-
-impl Instructions {
-    /// The fastest this machine has.
-    pub fn detect() -> Instructions {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("bmi1") {
-            return Instructions::Avx2;
-        }
-        Instructions::Baseline
-    }
 }
 
 /// Everything that can be hit.
