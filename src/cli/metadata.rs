@@ -102,13 +102,14 @@ pub fn stop_word(stop: StopReason) -> &'static str {
 
 /// The JSON object that is written into images. All but its story follows from the picture and the command that makes
 /// it again, so that they give the same file byte by byte. `with_story` adds why the render stopped, the goals, their
-/// figures and the seconds; an interrupted picture, which no command makes again, always says that it is one.
+/// figures, the effects of the scene and the seconds; an interrupted picture, which no command makes again, always says that it is one.
 pub fn describe(
     args: &RenderArgs,
     hash: &str,
     settings: &Settings,
     goal: &Goal,
     report: &Report,
+    effects: &[&str],
     with_story: bool,
 ) -> Value {
     let name = args.scene().file_name().map(|n| n.to_string_lossy().into_owned());
@@ -141,6 +142,7 @@ pub fn describe(
         value["error_goal"] = json!(rules.error);
         value["error_max_goal"] = json!(rules.error_max);
         value["error_display_goal"] = json!(rules.error_display);
+        value["effects"] = json!(effects);
         value["seconds"] = json!((report.seconds * 1e3).round() / 1e3);
     }
     value

@@ -9,6 +9,7 @@ use super::progress::Meter;
 use super::summary::{self, Summary, is_goal_missed};
 use super::{Exit, accuracy, checkpoint, metadata, replay, scene, signals};
 use crate::compile::compile_pruned;
+use crate::compile::effects::{Effect, causes};
 use crate::compile::prune::{Pruned, prune};
 use crate::diag::{Diagnostics, SourceMap};
 use crate::files::Files;
@@ -35,6 +36,8 @@ struct Job {
     goal: Goal,
     develop: Develop,
     hash: String,
+    /// What the scene calls for.
+    effects: Vec<&'static str>,
     /// What part files say of the picture.
     header: Value,
 }
@@ -226,6 +229,10 @@ fn build<F: Files>(
     } else {
         prune(&scene, files, diags)
     };
+    let effects = causes::of(&pruned.scene, &settings.technique)
+        .iter()
+        .map(Effect::word)
+        .collect();
     for effect in args.prune.forced() {
         effect.force_technique(&mut settings.technique);
     }
@@ -249,6 +256,7 @@ fn build<F: Files>(
         settings,
         goal,
         hash,
+        effects,
     }))
 }
 
@@ -306,7 +314,15 @@ fn conclude(
         let picture = Finished::new(picture, &args.output, job.develop);
         let describe = |format: Format| {
             // Only OpenEXR files tell how it went, so that what is told to make it again gives the same PNG byte by byte.
-            metadata::describe(args, &job.hash, &job.settings, &job.goal, report, format == Format::Exr)
+            metadata::describe(
+                args,
+                &job.hash,
+                &job.settings,
+                &job.goal,
+                report,
+                &job.effects,
+                format == Format::Exr,
+            )
         };
         let (written, images_done) = outputs::write_all(&targets.images, &picture, describe, console);
         let view = picture.about_view();

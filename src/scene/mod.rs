@@ -172,7 +172,7 @@ impl Scene {
 }
 
 /// Where a thing of the scene was written, for messages: a span of a text, a path inside a glTF, or neither.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Place {
     /// Made by the program itself.
     #[default]

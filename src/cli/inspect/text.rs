@@ -44,6 +44,7 @@ impl Found {
         if size.solids > 0 {
             let pairs = match size.meetings {
                 0 => "none within another".to_owned(),
+                1 => "two may touch or lie within each other".to_owned(),
                 n => format!("{} pairs may touch or lie within each other", grouped(n)),
             };
             lines.push(row("solids", &format!("{} ({pairs})", grouped(size.solids))));

@@ -12,7 +12,8 @@ use crate::scene::{
     Camera, EnvironmentKind, Material, MaterialId, Medium, Object, OpacityMode, Place, Principled, Scene, Shape,
     SurfaceModel, Texture, TextureId,
 };
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Products nested deeper than this contain themselves; `compile` refuses them.
 const DEEPEST: u32 = 64;
@@ -33,7 +34,21 @@ pub struct Cause {
 /// The effects of a scene with their causes, in the order of [`Effect::ALL`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Effects {
-    found: BTreeMap<Effect, Vec<Cause>>,
+    found: BTreeMap<Effect, Callers>,
+}
+
+/// Who calls for one effect.
+#[derive(Clone, Debug, Default)]
+struct Callers {
+    causes: Vec<Cause>,
+    /// Places in `causes` by the hash of all but the number of times: there may be a million.
+    known: HashMap<u64, usize>,
+}
+
+impl PartialEq for Callers {
+    fn eq(&self, other: &Callers) -> bool {
+        self.causes == other.causes
+    }
 }
 
 impl Effects {
@@ -44,7 +59,7 @@ impl Effects {
 
     /// Who calls for it; nobody if the scene does not have it.
     pub fn causes(&self, effect: Effect) -> &[Cause] {
-        self.found.get(&effect).map_or(&[], Vec::as_slice)
+        self.found.get(&effect).map_or(&[], |callers| &callers.causes)
     }
 
     /// The effects that the scene has.
@@ -53,12 +68,13 @@ impl Effects {
     }
 
     pub(super) fn add(&mut self, effect: Effect, cause: Cause) {
-        let causes = self.found.entry(effect).or_default();
-        match causes
-            .iter_mut()
-            .find(|c| (&c.what, &c.why, &c.place) == (&cause.what, &cause.why, &cause.place))
-        {
-            Some(known) => known.times += cause.times,
+        let Callers { causes, known } = self.found.entry(effect).or_default();
+        let mut hasher = DefaultHasher::new();
+        (&cause.what, &cause.why, &cause.place).hash(&mut hasher);
+        let place = *known.entry(hasher.finish()).or_insert(causes.len());
+        let is_same = |c: &&mut Cause| (&c.what, &c.why, &c.place) == (&cause.what, &cause.why, &cause.place);
+        match causes.get_mut(place).filter(is_same) {
+            Some(again) => again.times += cause.times,
             None => causes.push(cause),
         }
     }
@@ -389,12 +405,13 @@ fn of_environment(scene: &Scene, effects: &mut Effects, seen: &mut Receivers) {
     let cause = Cause {
         what: "the environment".to_owned(),
         why,
-        place: Place::None,
+        place: scene.environment.place.clone(),
         times: 1,
     };
     // A sky of one colour throws no caustics: it looks the same along any way.
-    if matches!(scene.environment.kind, EnvironmentKind::Image { .. }) {
-        seen.lights.push(cause.clone());
+    match scene.environment.kind {
+        EnvironmentKind::Image { .. } => seen.lights.push(cause.clone()),
+        _ => seen.even_sky = Some(cause.clone()),
     }
     effects.add(Environment, cause);
 }

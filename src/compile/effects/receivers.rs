@@ -15,6 +15,8 @@ pub struct Receivers {
     casters: Vec<Cause>,
     /// Lights that are seen under a small angle, or vary.
     pub lights: Vec<Cause>,
+    /// An environment of one colour: a light, but none that throws caustics.
+    pub even_sky: Option<Cause>,
     /// Media that shine: they light the scene, but nobody samples them.
     glows: bool,
 }
@@ -82,6 +84,7 @@ impl Receivers {
                 .cloned()
                 .for_each(|cause| effects.add(Caustics, cause));
         }
+        self.lights.extend(self.even_sky);
         if self.lights.len() > 1 && technique.lights == LightPick::Tree {
             self.lights.into_iter().for_each(|cause| effects.add(LightTree, cause));
         }
@@ -92,7 +95,9 @@ impl Receivers {
 fn scatters(surface: &SurfaceModel) -> (bool, bool) {
     match surface {
         SurfaceModel::Black | SurfaceModel::Mix { .. } => (false, false),
-        SurfaceModel::Diffuse { .. } | SurfaceModel::Translucent { .. } => (true, false),
+        SurfaceModel::Diffuse { color, .. } | SurfaceModel::Translucent { color, .. } => {
+            (color.factor.max_element() > 0.0, false)
+        }
         SurfaceModel::Specular { .. } | SurfaceModel::Glass { .. } => (false, true),
         SurfaceModel::Glossy { metal, .. } => (!metal, true),
         SurfaceModel::Principled(p) => {

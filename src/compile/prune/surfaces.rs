@@ -29,6 +29,10 @@ fn simplify(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
     match &mut material.surface {
         SurfaceModel::Principled(p) => principled(p),
         SurfaceModel::Finish(f) => finish(f, notes),
+        // Lamps, most of all: what reflects nothing needs no light.
+        SurfaceModel::Diffuse { color, .. } | SurfaceModel::Translucent { color, .. } if is_black(color) => {
+            material.surface = SurfaceModel::Black;
+        }
         SurfaceModel::Black
         | SurfaceModel::Diffuse { .. }
         | SurfaceModel::Specular { .. }
