@@ -192,6 +192,16 @@ impl<'a> Kernel<'a> {
         sample
     }
 
+    /// The way of a path that is scattered on; caustics that count need no book.
+    #[inline(always)]
+    fn way_on(&self, way: Way, mirror_like: bool) -> Way {
+        if self.caustics {
+            Way::Any
+        } else {
+            way.after(mirror_like)
+        }
+    }
+
     fn shading<'s>(&'s self, attrs: &'s Attributes, outer_ior: f32, wavelength: Option<Wavelength>) -> Shading<'s> {
         Shading {
             materials: &self.scene.materials,

@@ -4,7 +4,7 @@ use super::contact::contact;
 use super::fold::Sides;
 use super::tier::Tier;
 use super::{Departure, FirstHit, Kernel, MIRROR_LIKE, MOST_PASSES, NO_ATTRIBUTES, PathSample, PathStats, Way};
-use super::{go_on, nearly_unit, roulette};
+use super::{go_on, nearly_unit};
 use crate::math::robust::offset_origin;
 use crate::render::bsdf::Bsdf;
 use crate::render::material::Alpha;
@@ -84,13 +84,7 @@ impl Kernel<'_> {
                     let (wi, pdf) = vertex
                         .phase
                         .sample(ray.dir, Vec2::new(scatter[0], scatter[1]), scatter[2]);
-                    if bounce >= self.roulette_from {
-                        let survival = roulette::survival(throughput, bounce);
-                        if scatter[3] >= survival {
-                            return out;
-                        }
-                        throughput /= survival;
-                    } else if throughput == Vec3::ZERO {
+                    if !self.survives(&mut throughput, bounce, scatter[3]) {
                         return out;
                     }
                     from = Departure {
@@ -98,11 +92,7 @@ impl Kernel<'_> {
                         n: Vec3::ZERO,
                         two_sided: true,
                         pdf: Some(pdf),
-                        way: if self.caustics {
-                            Way::Any
-                        } else {
-                            from.way.after(pdf >= MIRROR_LIKE)
-                        },
+                        way: self.way_on(from.way, pdf >= MIRROR_LIKE),
                     };
                     left = Some(p);
                     ray = Ray {
@@ -252,13 +242,7 @@ impl Kernel<'_> {
                 continue;
             }
 
-            if bounce >= self.roulette_from {
-                let survival = roulette::survival(throughput, bounce);
-                if scatter[3] >= survival {
-                    return out;
-                }
-                throughput /= survival;
-            } else if throughput == Vec3::ZERO {
+            if !self.survives(&mut throughput, bounce, scatter[3]) {
                 return out;
             }
             from = Departure {
@@ -266,11 +250,7 @@ impl Kernel<'_> {
                 n: toward,
                 two_sided,
                 pdf: (!s.delta).then_some(pdf),
-                way: if self.caustics {
-                    Way::Any
-                } else {
-                    from.way.after(s.delta || pdf >= MIRROR_LIKE)
-                },
+                way: self.way_on(from.way, s.delta || pdf >= MIRROR_LIKE),
             };
             ray = Ray {
                 origin: offset_origin(surface.p, surface.p_error, surface.ng, wi),

@@ -1,5 +1,6 @@
 //! Russian roulette: how likely a path is to go on.
 
+use super::Kernel;
 use glam::Vec3;
 
 /// The bounce at which roulette begins. Measured on the lecture's scene: 2, 3 and 4 are equally efficient.
@@ -15,6 +16,23 @@ const HARDER_FROM: u32 = 4096;
 #[inline(always)]
 pub(super) fn survival(throughput: Vec3, bounce: u32) -> f32 {
     throughput.max_element().min(most(bounce))
+}
+
+impl Kernel<'_> {
+    /// Whether a path goes on, by a number in [0, 1): its throughput is then divided by the probability of that. Before
+    /// roulette begins, paths end that carry nothing.
+    #[inline(always)]
+    pub(super) fn survives(&self, throughput: &mut Vec3, bounce: u32, number: f32) -> bool {
+        if bounce < self.roulette_from {
+            return *throughput != Vec3::ZERO;
+        }
+        let survival = survival(*throughput, bounce);
+        let goes_on = number < survival;
+        if goes_on {
+            *throughput /= survival;
+        }
+        goes_on
+    }
 }
 
 /// The largest probability of surviving the k-th bounce: 1, from 32 on 1 − 1/k, from 4096 on 1 − 2/k.
