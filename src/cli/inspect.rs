@@ -126,6 +126,8 @@ fn hints(scene: &Scene) -> Vec<(String, Place)> {
             && color.texture.is_none()
             && color.factor == glam::DVec3::ONE
             && material.interior.is_clear()
+            && scene.atmosphere.is_clear()
+            && scene.fogs.is_empty()
         {
             let hint = "glass of ior 1 without tint or medium cannot be seen: it only costs time";
             out.push((hint.to_owned(), material.place.clone()));

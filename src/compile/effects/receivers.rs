@@ -98,7 +98,9 @@ fn scatters(surface: &SurfaceModel) -> (bool, bool) {
         SurfaceModel::Diffuse { color, .. } | SurfaceModel::Translucent { color, .. } => {
             (color.factor.max_element() > 0.0, false)
         }
-        SurfaceModel::Specular { .. } | SurfaceModel::Glass { .. } => (false, true),
+        SurfaceModel::Specular { .. } => (false, true),
+        // By itself an index of 1 bends nothing; in another solid that one does.
+        SurfaceModel::Glass { ior, .. } => (false, *ior != 1.0),
         SurfaceModel::Glossy { metal, .. } => (!metal, true),
         SurfaceModel::Principled(p) => {
             let casts = has_coat(p) || p.metallic.factor > 0.0 || p.transmission.factor > 0.0;
