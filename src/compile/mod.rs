@@ -121,9 +121,6 @@ pub fn compile_pruned(
         lamp_through_glass: lights.has_delta() && materials.iter().any(|m| m.interior),
         solids: materials.iter().any(|m| m.interior),
         media: media.len() > 1 || !fogs.is_empty(),
-        textures: materials
-            .iter()
-            .any(|m| m.needs_attributes || m.alpha != Alpha::Opaque || m.normal_map.is_some()),
         dispersion: materials.iter().any(|m| m.dispersion > 0.0),
         moves: engine_camera.as_ref().is_some_and(|c| c.moves())
             || geometry.objects().iter().any(|o| o.motion.is_some())

@@ -19,7 +19,7 @@ pub enum Group {
     Primary = 0,
     /// Camera: time (0), wavelength (1). Surface: point on the light (0, 1), which light (2), mix (3).
     Light = 1,
-    /// Media: distance (0), phase function (1, 2), light (3).
+    /// Media: distance (0), the channel that decides it (1). Directions, roulette and lights are as at surfaces.
     Medium = 2,
     /// Spare, so that a new decision shifts nothing.
     Spare = 3,

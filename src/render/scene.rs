@@ -48,8 +48,6 @@ pub struct SceneTraits {
     pub solids: bool,
     /// Something fills a solid or the space between them.
     pub media: bool,
-    /// Some material varies over its surface, or covers it only in part.
-    pub textures: bool,
     /// Some glass refracts colours differently.
     pub dispersion: bool,
     /// Something moves while the shutter is open: paths have a time.

@@ -5,14 +5,16 @@
 //! for; times are scaled by pixels, which error per pixel does not depend on.
 
 use crate::compile::effects::Effect;
+use crate::diag::Diagnostics;
 use crate::files::Files;
-use crate::render::report::StopReason;
+use crate::render::driver;
+use crate::render::report::{Silent, StopReason};
 use crate::render::settings::{Settings, StopRules};
 use crate::render::technique::Technique;
 use crate::scene::Scene;
 use crate::study::ablation::Weighing;
 use crate::study::experiment::{Ablation, Row, Variant};
-use crate::study::workshop::{Clock, Order, Step, Stopped, Watch, Workshop};
+use crate::study::workshop::{Clock, Step, Stopped, Watch, Workshop};
 use std::time::Instant;
 
 /// The share of the time for the forecast.
@@ -69,31 +71,27 @@ impl Task<'_> {
             budget: self.seconds,
         };
         let size = self.small_size();
-        let base = Settings::new(size[0], size[1], MOST_SPP);
-        let technique = Technique::default();
+        let (base, technique) = (Settings::new(size[0], size[1], MOST_SPP), Technique::default());
         let mut workshop = Workshop::new(self.scene, self.files, base.clone(), clock, &Quiet);
-        let mut settings = base.clone();
-        settings.stop = StopRules {
-            error: Some(self.goal),
-            ..settings.stop
-        };
-        // The goal stops the render; the other settings are those of the ablation.
-        let mut first = Workshop::new(self.scene, self.files, settings, clock, &Quiet);
-        let shot = first.shoot(&Order {
-            technique,
-            threads: None,
+        // What can be wrong with the scene was told when it was inspected.
+        let compiled = workshop.compiled(&technique, &mut Diagnostics::default())?;
+        let settings = Settings {
+            stop: StopRules {
+                seconds: Some((FOR_THE_FORECAST * self.seconds).max(f64::MIN_POSITIVE)),
+                error: Some(self.goal),
+                ..base.stop
+            },
             seed: 1,
-            spp: MOST_SPP,
-            seconds: Some((FOR_THE_FORECAST * self.seconds).max(f64::MIN_POSITIVE)),
-            stage: "forecast",
-            what: "the scene",
-        })?;
+            started: Instant::now(),
+            ..base
+        };
+        let (_, report) = driver::render(&compiled.scene, &settings, &Silent);
         let pixels = |[w, h]: [u32; 2]| f64::from(w) * f64::from(h);
         let scale = pixels(self.size) / pixels(size);
-        let spent = shot.report.seconds;
-        let more = match shot.report.stop {
+        let spent = report.seconds;
+        let more = match report.stop {
             StopReason::Error => Some([0.0; 2]),
-            _ => shot.report.forecast.and_then(|f| f.to_goal),
+            _ => report.forecast.and_then(|f| f.to_goal),
         };
         let mut notes = Vec::new();
         let forecast = more.map(|more| Until {
@@ -109,7 +107,7 @@ impl Task<'_> {
             technique,
             effects: &self.effects,
             seeds: &(2..2 + ROUNDS).collect::<Vec<_>>(),
-            per_sample: spent / shot.spp.max(1.0),
+            per_sample: spent * pixels(size) / (report.samples as f64).max(1.0),
             clock,
             end: self.seconds,
         };

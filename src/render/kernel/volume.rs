@@ -3,6 +3,7 @@
 use super::tier::Tier;
 use super::{FirstHit, Kernel, MIRROR_LIKE, PathStats, Way};
 use crate::render::light::mis_weight;
+use crate::render::medium::fog::Fog;
 use crate::render::medium::phase::Phase;
 use crate::render::medium::{MediumStack, Passage, passage};
 use crate::render::ray::Ray;
@@ -69,7 +70,7 @@ impl Kernel<'_> {
         if !media.is_empty() {
             return 1.0;
         }
-        let left = |fog: &crate::render::medium::fog::Fog| fog.transmittance(ray.origin, ray.dir, way);
+        let left = |fog: &Fog| fog.transmittance(ray.origin, ray.dir, way);
         self.scene.fogs.iter().map(left).product()
     }
 
