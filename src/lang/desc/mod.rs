@@ -3,12 +3,11 @@
 
 mod air;
 mod look;
+mod surface;
 
 pub use air::{FogDesc, MediaDesc};
-pub use look::{
-    FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, NormalDesc, Pigment, PrincipledDesc,
-    SurfaceDesc,
-};
+pub use look::{FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, NormalDesc, Pigment};
+pub use surface::{BesideDesc, ModelSurface, NormalMapDesc, NumberDesc, PrincipledDesc, SurfaceDesc};
 
 use crate::diag::Span;
 use crate::scene::{Mesh, RenderDefaults, Shape, Visibility};

@@ -1,8 +1,8 @@
 //! Expressions over numbers, vectors and colours. Comparisons, `&`, `|` and `?:` exist only inside parentheses (or
 //! directive conditions), as in POV-Ray: in the open, `<` begins a vector.
 
-use super::{Interp, Num, Parsed, T, Tok, Value};
-use crate::diag::Span;
+use super::{ImageFactor, Interp, Num, Parsed, T, Tok, Value};
+use crate::diag::{Diagnostic, Span};
 use crate::lang::syntax::token::{GE, LE, NE};
 use crate::lang::syntax::{Symbol, Word};
 use glam::DVec3;
@@ -26,7 +26,12 @@ impl Interp<'_> {
                 _ => return Ok(left),
             };
             self.bump();
+            let at = self.peek().span;
             let right = self.product()?;
+            if self.image_factor == ImageFactor::Met {
+                let d = Diagnostic::error("P0303", "an image can be multiplied, nothing can be added to it").at(at, "");
+                return Err(self.report(d));
+            }
             left = left.zip(right, op);
         }
     }
@@ -38,6 +43,10 @@ impl Interp<'_> {
             match tok.t {
                 T::Mark(b'*') => {
                     self.bump();
+                    if self.image_factor == ImageFactor::May && self.begins_source() {
+                        self.image_factor = ImageFactor::Met;
+                        return Ok(left);
+                    }
                     let right = self.unary()?;
                     left = left.zip(right, |a, b| a * b);
                 }

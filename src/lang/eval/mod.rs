@@ -66,6 +66,17 @@ pub const MAX_DEPTH: u32 = 200;
 /// Errors after which reading stops.
 const MAX_ERRORS: usize = 100;
 
+/// Whether an expression may be the factor of an image: `0.8 * image_map { … }`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageFactor {
+    /// It is a value.
+    No,
+    /// It may be.
+    May,
+    /// It is: the expression has ended behind the `*`.
+    Met,
+}
+
 /// The state of reading one scene.
 pub struct Interp<'a> {
     /// Where files come from.
@@ -82,6 +93,8 @@ pub struct Interp<'a> {
     pub scopes: Scopes,
     /// Whether `transmit` behind a colour belongs to what holds the colour.
     pub colors_end_at_transmit: bool,
+    /// Whether an image may follow a factor.
+    pub image_factor: ImageFactor,
     /// The scene as described so far.
     pub scene: SceneDesc,
     /// The language version in force, e.g. 3.7.
@@ -141,6 +154,7 @@ impl<'a> Interp<'a> {
     ) -> Interp<'a> {
         Interp {
             colors_end_at_transmit: false,
+            image_factor: ImageFactor::No,
             files,
             options,
             sources,

@@ -2,15 +2,12 @@
 //! is an error here, and only here.
 
 use super::emit_material::Materials;
-use crate::diag::{Diagnostic, Span};
+use crate::diag::Diagnostic;
 use crate::lang::ModelRequest;
-use crate::lang::desc::{ImageDesc, Look, ModelDesc, ObjectDesc, Pigment, ShapeDesc};
+use crate::lang::desc::{Look, ModelDesc, ObjectDesc, ShapeDesc};
 use crate::lang::eval::Interp;
-use crate::scene::{
-    ColorInput, Encoding, GroupId, Image, ImageId, ImageSource, ImageTexture, LeftOut, Light, MeshId, Object, Place,
-    Scene, Shape, TexelFilter, Texture, TextureId, Wrap,
-};
-use glam::{DAffine2, DAffine3, DVec3};
+use crate::scene::{GroupId, ImageSource, LeftOut, Light, MeshId, Object, Place, Scene, Shape};
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -268,79 +265,6 @@ impl Interp<'_> {
         let (group, lamps) = done.models.get(&key)?.as_ref()?;
         out.lights.extend(lamps.iter().map(|l| l.clone().transformed(to_world)));
         Some(*group)
-    }
-
-    /// Tells, once a kind, that a pattern is drawn as its average colour.
-    pub fn warn_pattern(&mut self, word: &'static str, at: Span) {
-        self.warn_once(
-            "P0412",
-            at,
-            format!("`{word}` is not supported yet and is drawn in its average colour"),
-        );
-    }
-
-    /// The colour of a pigment: its image where that goes by the surface's coordinates, else a linear rgb.
-    pub fn pigment_input(&mut self, p: &Pigment, out: &mut Scene) -> ColorInput {
-        let (Some(image), true) = (&p.image, p.uv) else {
-            return self.pigment_color(p).into();
-        };
-        let encoding = if self.display_is_linear() {
-            Encoding::Linear
-        } else {
-            Encoding::Srgb
-        };
-        ColorInput {
-            factor: DVec3::ONE,
-            texture: self.image_texture(image, encoding, out),
-        }
-    }
-
-    /// The texture of an image; a missing file is an error.
-    pub(super) fn image_texture(
-        &mut self,
-        image: &ImageDesc,
-        encoding: Encoding,
-        out: &mut Scene,
-    ) -> Option<TextureId> {
-        let Some(path) = &image.path else {
-            self.error("P0501", image.span, format!("cannot find \"{}\"", image.name));
-            return None;
-        };
-        let source = ImageSource::File(path.clone());
-        let known = out.images.iter().position(|i| i.source == source);
-        let id = match known {
-            Some(i) => ImageId(i as u32),
-            None => out.add_image(Image {
-                name: image.name.clone(),
-                source,
-                place: Place::Text(image.span),
-            }),
-        };
-        let wrap = if image.once { Wrap::Clamp } else { Wrap::Repeat };
-        let texture = Texture::Image(ImageTexture {
-            image: id,
-            uv_set: 0,
-            uv_transform: DAffine2::IDENTITY,
-            wrap_u: wrap,
-            wrap_v: wrap,
-            filter: if image.smooth {
-                TexelFilter::Bilinear
-            } else {
-                TexelFilter::Nearest
-            },
-            encoding,
-        });
-        let known = out.textures.iter().position(|t| *t == texture);
-        Some(known.map_or_else(|| out.add_texture(texture), |i| TextureId(i as u32)))
-    }
-
-    /// The linear rgb of a pigment, patterns being told.
-    pub fn pigment_color(&mut self, p: &Pigment) -> DVec3 {
-        if let Some((word, at)) = p.pattern {
-            self.warn_pattern(word, at);
-        }
-        let [r, g, b, ..] = p.color;
-        self.linear(DVec3::new(r, g, b))
     }
 }
 
