@@ -28,6 +28,7 @@ mod meshopt;
 mod moving;
 mod node;
 mod part;
+mod refine;
 mod required;
 mod tangent;
 mod texture;
