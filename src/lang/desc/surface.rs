@@ -58,9 +58,11 @@ impl BesideDesc {
     }
 }
 
-/// A number of a surface: the same everywhere, or a factor on a channel of an image.
+/// A number of a surface: the same everywhere, or `offset + factor · channel` of an image.
 #[derive(Clone, Debug)]
 pub struct NumberDesc {
+    /// What is added to the product.
+    pub offset: f64,
     /// The number, or what the channel is multiplied by.
     pub factor: f64,
     /// Where the channel comes from. Its tint is not used.
@@ -69,7 +71,11 @@ pub struct NumberDesc {
 
 impl From<f64> for NumberDesc {
     fn from(factor: f64) -> NumberDesc {
-        NumberDesc { factor, source: None }
+        NumberDesc {
+            offset: 0.0,
+            factor,
+            source: None,
+        }
     }
 }
 
@@ -123,6 +129,8 @@ pub struct PrincipledDesc {
     pub numbers: Vec<(usize, NumberDesc)>,
     /// `clearcoat_normal`.
     pub clearcoat_normal: Option<NormalMapDesc>,
+    /// `anisotropy_direction`: an image whose red and green are a direction.
+    pub anisotropy_direction: Option<Rc<ImageDesc>>,
     /// What does not vary.
     pub plain: crate::scene::Principled,
     /// `absorption`, `scattering`, `phase`, and what the attenuation comes to.

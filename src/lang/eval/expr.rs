@@ -25,12 +25,16 @@ impl Interp<'_> {
                 T::Mark(b'-') => |a, b| a - b,
                 _ => return Ok(left),
             };
-            self.bump();
-            let at = self.peek().span;
-            let right = self.product()?;
-            if self.image_factor == ImageFactor::Met {
-                let d = Diagnostic::error("P0303", "an image can be multiplied, nothing can be added to it").at(at, "");
-                return Err(self.report(d));
+            let at = self.bump().span;
+            let is_image = self.image_factor == ImageFactor::May && self.begins_source();
+            let right = if is_image { Num::float(1.0) } else { self.product()? };
+            if is_image || matches!(self.image_factor, ImageFactor::Met(_)) {
+                if left.len > 1 {
+                    let d = Diagnostic::error("P0303", "only a number can be added to an image").at(at, "");
+                    return Err(self.report(d));
+                }
+                self.image_factor = ImageFactor::Met(Some((left.v[0], at)));
+                return Ok(right.map(|c| op(0.0, c)));
             }
             left = left.zip(right, op);
         }
@@ -44,7 +48,7 @@ impl Interp<'_> {
                 T::Mark(b'*') => {
                     self.bump();
                     if self.image_factor == ImageFactor::May && self.begins_source() {
-                        self.image_factor = ImageFactor::Met;
+                        self.image_factor = ImageFactor::Met(None);
                         return Ok(left);
                     }
                     let right = self.unary()?;
@@ -65,7 +69,8 @@ impl Interp<'_> {
         }
     }
 
-    fn unary(&mut self) -> Parsed<Num> {
+    /// A value that operators have not been applied to, but for its sign.
+    pub fn unary(&mut self) -> Parsed<Num> {
         let mut negative = false;
         loop {
             let tok = self.peek();

@@ -26,7 +26,7 @@ mod user_functions;
 mod value;
 mod vector_functions;
 
-pub use errors::{Parsed, Stop};
+pub use errors::{Parsed, Stop, nearest};
 pub use stream::{T, Tok};
 pub use value::{Array, Function, Macro, Num, Value};
 
@@ -66,15 +66,16 @@ pub const MAX_DEPTH: u32 = 200;
 /// Errors after which reading stops.
 const MAX_ERRORS: usize = 100;
 
-/// Whether an expression may be the factor of an image: `0.8 * image_map { … }`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Whether an expression may lead to an image: `0.2 + 0.8 * image_map { … }`.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ImageFactor {
     /// It is a value.
     No,
-    /// It may be.
+    /// It may.
     May,
-    /// It is: the expression has ended behind the `*`.
-    Met,
+    /// It does: the expression has ended in front of the image, and its value is the image's factor. What is added to the
+    /// product, with its place.
+    Met(Option<(f64, Span)>),
 }
 
 /// The state of reading one scene.

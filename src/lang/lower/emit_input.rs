@@ -54,6 +54,7 @@ impl Interp<'_> {
             return ScalarInput {
                 factor: n.factor,
                 texture: texture.map(|t| (t, *channel)),
+                offset: n.offset,
             };
         }
         if let Some((word, at)) = pigment.pattern {
@@ -66,7 +67,7 @@ impl Interp<'_> {
             Channel::B => b,
             Channel::A => 1.0 - filter - transmit,
         };
-        (n.factor * value.clamp(0.0, 1.0)).into()
+        (n.offset + n.factor * value.clamp(0.0, 1.0)).into()
     }
 
     /// A normal map.

@@ -6,10 +6,10 @@ use crate::diag::{Diagnostic, Span};
 use crate::lang::desc::{BesideDesc, ModelSurface, PrincipledDesc, SurfaceDesc};
 use crate::lang::eval::Interp;
 use crate::scene::{
-    Channel, ColorInput, Material, MaterialId, Medium, Opacity, OpacityMode, Place, Principled, ScalarInput, Scene,
-    SurfaceModel,
+    Channel, ColorInput, Encoding, Material, MaterialId, Medium, Opacity, OpacityMode, Place, Principled, ScalarInput,
+    Scene, SurfaceModel,
 };
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 impl Interp<'_> {
     /// One of the language's own surfaces with what is said beside it.
@@ -109,6 +109,10 @@ impl Interp<'_> {
             }
         }
         made.clearcoat_normal = p.clearcoat_normal.as_ref().and_then(|n| self.normal_map_input(n, out));
+        made.anisotropy_direction = p
+            .anisotropy_direction
+            .as_ref()
+            .and_then(|image| self.image_texture(image, &DAffine3::IDENTITY, Encoding::Linear, out));
         made
     }
 
@@ -186,12 +190,10 @@ impl Interp<'_> {
         let alpha = match &beside.opacity {
             Some((opacity, _)) => self.number_input(opacity, out),
             // As in glTF, that of the colour's image.
-            None => own_color(&material.surface)
-                .and_then(|c| c.texture)
-                .map_or(1.0.into(), |t| ScalarInput {
-                    factor: 1.0,
-                    texture: Some((t, Channel::A)),
-                }),
+            None => {
+                let texture = own_color(&material.surface).and_then(|c| c.texture);
+                ScalarInput::scaled(1.0, texture.map(|t| (t, Channel::A)))
+            }
         };
         if mode != OpacityMode::Opaque {
             material.opacity = Opacity { mode, alpha };

@@ -15,18 +15,27 @@ use std::rc::Rc;
 const IMAGE_TEXTS: &[&str] = &["png", "jpeg", "once", "interpolate", "channel"];
 const CHANNEL: &str = "a channel: r, g, b or a";
 
+/// What messages call a range.
+fn range(min: f64, max: f64) -> String {
+    match (min, max) {
+        (_, f64::MAX) if min == f64::MIN_POSITIVE => "positive".to_owned(),
+        (_, f64::MAX) => format!("at least {min}"),
+        _ => format!("between {min} and {max}"),
+    }
+}
+
+fn rgb([r, g, b, ..]: [f64; 5]) -> DVec3 {
+    DVec3::new(r, g, b)
+}
+
 impl Interp<'_> {
     /// A number in a range; outside is an error, not a clamp.
     pub fn within(&mut self, what: &str, min: f64, max: f64) -> Parsed<f64> {
         let at = self.peek().span;
         let v = self.finite(what)?;
         if !(min..=max).contains(&v) {
-            let range = match (min, max) {
-                (_, f64::MAX) if min == f64::MIN_POSITIVE => "positive".to_owned(),
-                (_, f64::MAX) => format!("at least {min}"),
-                _ => format!("between {min} and {max}"),
-            };
-            return Err(self.error("P0311", at, format!("{what} must be {range}, found {v}")));
+            let message = format!("{what} must be {}, found {v}", range(min, max));
+            return Err(self.error("P0311", at, message));
         }
         Ok(v)
     }
@@ -36,17 +45,22 @@ impl Interp<'_> {
         self.refuse_bare_text()?;
         let mut tint = DVec3::ONE;
         if !self.begins_source() {
-            let (color, is_factor) = self.before_image(|s| s.color())?;
-            if !is_factor {
-                return Ok(Rc::new(Pigment::plain(color)));
+            let (color, met) = self.before_image(|s| s.color())?;
+            match met {
+                ImageFactor::Met(None) => tint = rgb(color),
+                ImageFactor::Met(Some((_, at))) => {
+                    let d = Diagnostic::error("P0303", "nothing can be added to the colours of an image").at(at, "");
+                    return Err(self.report(d));
+                }
+                _ => return Ok(Rc::new(Pigment::plain(color))),
             }
-            let [r, g, b, ..] = color;
-            tint = DVec3::new(r, g, b);
         }
         let mut pigment = self.source()?;
-        if self.eat(b'*') {
-            let [r, g, b, ..] = self.color()?;
-            tint *= DVec3::new(r, g, b);
+        while self.eat(b'*') {
+            tint *= match self.starts_color() {
+                true => rgb(self.color()?),
+                false => rgb(self.unary()?.five()),
+            };
         }
         if tint != DVec3::ONE {
             Rc::make_mut(&mut pigment).tint *= tint;
@@ -54,17 +68,23 @@ impl Interp<'_> {
         Ok(pigment)
     }
 
-    /// A number, or a channel of a `pigment { … }` or image, with a factor before or behind it. The factor alone must be
-    /// in the range. `channel` is taken where none is named.
+    /// A number, or `offset + factor * image` in any order, where the image may be a pigment. `channel` is taken where
+    /// none is named. All values that this can give must be in the range.
     pub fn number_source(&mut self, what: &str, (min, max): (f64, f64), channel: Channel) -> Parsed<NumberDesc> {
         self.refuse_bare_text()?;
-        let mut factor = NumberDesc::from(1.0).factor;
+        let at = self.peek().span;
+        let mut number = NumberDesc::from(1.0);
         if !self.begins_source() {
-            let (number, is_factor) = self.before_image(|s| s.within(what, min, max))?;
-            if !is_factor {
-                return Ok(number.into());
+            let (value, met) = self.before_image(|s| s.finite(what))?;
+            number.factor = value;
+            if let ImageFactor::Met(added) = met {
+                number.offset = added.map_or(0.0, |a| a.0);
+            } else if (min..=max).contains(&value) {
+                return Ok(number);
+            } else {
+                let message = format!("{what} must be {}, found {value}", range(min, max));
+                return Err(self.error("P0311", at, message));
             }
-            factor = number;
         }
         let pigment = self.source()?;
         let named = pigment.image.as_ref().and_then(|i| i.channel);
@@ -73,14 +93,25 @@ impl Interp<'_> {
             match self.peek().t {
                 T::Mark(b'*') => {
                     self.bump();
-                    factor *= self.within(what, min, max)?;
+                    number.factor *= self.unary()?.v[0];
+                }
+                T::Mark(sign @ (b'+' | b'-')) => {
+                    self.bump();
+                    let added = self.unary()?.v[0];
+                    number.offset += if sign == b'-' { -added } else { added };
                 }
                 T::Word(Word::Channel) => channel = self.channel()?,
                 _ => break,
             }
         }
-        let source = Some((pigment, channel));
-        Ok(NumberDesc { factor, source })
+        let (a, b) = (number.offset, number.offset + number.factor);
+        let (least, most) = (a.min(b), a.max(b));
+        if !(least >= min && most <= max) {
+            let message = format!("{what} must be {}, found {least} to {most}", range(min, max));
+            return Err(self.error("P0311", at, message));
+        }
+        number.source = Some((pigment, channel));
+        Ok(number)
     }
 
     /// A string where an image may stand: which kind of thing it is has to be said.
@@ -103,12 +134,12 @@ impl Interp<'_> {
         }
     }
 
-    /// Reads a value that may turn out to be the factor of an image, behind whose `*` it then stops.
-    fn before_image<V>(&mut self, read: impl FnOnce(&mut Self) -> Parsed<V>) -> Parsed<(V, bool)> {
+    /// Reads a value that may turn out to be the factor of an image, in front of which it then stops.
+    fn before_image<V>(&mut self, read: impl FnOnce(&mut Self) -> Parsed<V>) -> Parsed<(V, ImageFactor)> {
         let outer = std::mem::replace(&mut self.image_factor, ImageFactor::May);
         let value = read(self);
         let met = std::mem::replace(&mut self.image_factor, outer);
-        Ok((value?, met == ImageFactor::Met))
+        Ok((value?, met))
     }
 
     /// An image or a pigment.
@@ -129,8 +160,12 @@ impl Interp<'_> {
     }
 
     /// `image_map { "file" … }` on the surface's own coordinates, beginning with its word.
-    fn surface_image(&mut self) -> Parsed<Rc<ImageDesc>> {
-        let word = self.bump();
+    pub fn surface_image(&mut self) -> Parsed<Rc<ImageDesc>> {
+        let word = self.peek();
+        if word.t != T::Word(Word::ImageMap) {
+            return Err(self.expected_not("`image_map { … }`", word));
+        }
+        self.bump();
         if self.peek().t != T::Mark(b'{') {
             let mut image = None;
             self.image_items(&mut image, true)?;

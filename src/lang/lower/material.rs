@@ -29,6 +29,11 @@ impl Interp<'_> {
     /// A material, beginning with its word.
     pub fn material(&mut self) -> Parsed<Look> {
         self.bump();
+        self.material_body()
+    }
+
+    /// The block of a material, behind its word.
+    pub fn material_body(&mut self) -> Parsed<Look> {
         self.block(|s| s.material_items())
     }
 

@@ -6,6 +6,7 @@ mod emit;
 mod emit_input;
 mod emit_light;
 mod emit_material;
+mod emit_model;
 mod emit_surface;
 mod environment;
 mod extent;

@@ -3,10 +3,12 @@
 use crate::lang::syntax::Word;
 use crate::scene::{Channel, ColorInput, Principled, ScalarInput};
 
-/// A number in [0, 1] of the glTF set.
+/// A number of the glTF set.
 pub struct Number {
     /// Its word.
     pub word: Word,
+    /// What it can be.
+    pub range: (f64, f64),
     /// The channel of an image that it takes where none is named: glTF's, so that packed images work as they are. Where
     /// that is alpha, which images without it do not have, it is red.
     pub channel: Channel,
@@ -23,7 +25,12 @@ pub struct Color {
 }
 
 const fn number(word: Word, channel: Channel, slot: fn(&mut Principled) -> &mut ScalarInput) -> Number {
-    Number { word, channel, slot }
+    Number {
+        word,
+        range: (0.0, 1.0),
+        channel,
+        slot,
+    }
 }
 
 const fn color(word: Word, slot: fn(&mut Principled) -> &mut ColorInput) -> Color {
@@ -41,6 +48,13 @@ pub const NUMBERS: &[Number] = &[
     number(Word::SheenRoughness, Channel::R, |p| &mut p.sheen_roughness),
     number(Word::Anisotropy, Channel::B, |p| &mut p.anisotropy),
     number(Word::DiffuseTransmission, Channel::R, |p| &mut p.diffuse_transmission),
+    number(Word::Iridescence, Channel::R, |p| &mut p.iridescence),
+    Number {
+        word: Word::IridescenceThickness,
+        range: (0.0, 1e6),
+        channel: Channel::G,
+        slot: |p| &mut p.iridescence_thickness,
+    },
 ];
 
 /// All colours.

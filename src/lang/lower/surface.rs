@@ -1,7 +1,7 @@
 //! The blocks of the language's own surfaces: `diffuse`, `specular`, `glass`, `glossy`, `translucent`, `principled`.
 
 use super::parameters::{COLORS, NUMBERS};
-use crate::lang::desc::{BesideDesc, ModelSurface, NormalMapDesc, NumberDesc, Pigment, PrincipledDesc};
+use crate::lang::desc::{BesideDesc, ImageDesc, ModelSurface, NormalMapDesc, NumberDesc, Pigment, PrincipledDesc};
 use crate::lang::eval::{Interp, Parsed, T};
 use crate::lang::syntax::Word;
 use crate::scene::{Channel, Medium, OpacityMode, Phase, Principled};
@@ -77,6 +77,7 @@ impl Interp<'_> {
                     colors: items.colors,
                     numbers: items.numbers,
                     clearcoat_normal: items.clearcoat_normal,
+                    anisotropy_direction: items.anisotropy_direction,
                     plain: items.plain,
                     inside,
                 }))
@@ -164,7 +165,7 @@ impl Interp<'_> {
     fn principled_item(&mut self, w: Word, items: &mut Items) -> Parsed<()> {
         let w = if w == Word::Color { Word::BaseColor } else { w };
         if let Some(i) = NUMBERS.iter().position(|n| n.word == w) {
-            let number = self.number_source(w.text(), UNIT, NUMBERS[i].channel)?;
+            let number = self.number_source(w.text(), NUMBERS[i].range, NUMBERS[i].channel)?;
             items.numbers.push((i, number));
             return Ok(());
         }
@@ -175,10 +176,12 @@ impl Interp<'_> {
         }
         match w {
             Word::Dispersion | Word::Abbe => items.plain.dispersion = self.within("dispersion", 0.0, 1e3)?,
+            Word::IridescenceIor => items.plain.iridescence_ior = self.within("iridescence_ior", 1.0, f64::MAX)?,
             Word::Thick => items.plain.thick = self.flag()?,
             Word::AnisotropyRotation => {
                 items.plain.anisotropy_rotation = self.finite("anisotropy_rotation")?.to_radians();
             }
+            Word::AnisotropyDirection => items.anisotropy_direction = Some(self.surface_image()?),
             Word::ClearcoatNormal => items.clearcoat_normal = Some(self.tangent_normals(w.text())?),
             Word::AttenuationColor => {
                 let at = self.peek().span;
@@ -256,6 +259,7 @@ struct Items {
     colors: Vec<(usize, Rc<Pigment>)>,
     numbers: Vec<(usize, NumberDesc)>,
     clearcoat_normal: Option<NormalMapDesc>,
+    anisotropy_direction: Option<Rc<ImageDesc>>,
     attenuation_color: Option<(DVec3, crate::diag::Span)>,
     attenuation_distance: Option<(f64, crate::diag::Span)>,
     plain: Principled,
@@ -275,6 +279,7 @@ impl Items {
             colors: Vec::new(),
             numbers: Vec::new(),
             clearcoat_normal: None,
+            anisotropy_direction: None,
             attenuation_color: None,
             attenuation_distance: None,
             plain: Principled::default(),
@@ -317,9 +322,13 @@ fn valid_words(w: Word) -> &'static [Word] {
             Word::SheenRoughness,
             Word::Anisotropy,
             Word::AnisotropyRotation,
+            Word::AnisotropyDirection,
             Word::DiffuseTransmission,
             Word::DiffuseTransmissionColor,
             Word::Dispersion,
+            Word::Iridescence,
+            Word::IridescenceIor,
+            Word::IridescenceThickness,
             Word::AttenuationColor,
             Word::AttenuationDistance,
             Word::Absorption,
