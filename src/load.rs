@@ -120,9 +120,13 @@ fn note_stillness(scene: &Scene, options: &LoadOptions, diags: &mut Diagnostics)
 fn load_model(request: &lang::ModelRequest, files: &dyn Files, diags: &mut Diagnostics) -> Option<Scene> {
     match request.kind {
         lang::ModelKind::Gltf => {
+            let wanted = &request.options;
             let options = gltf::GltfOptions {
-                scene: request.scene.clone(),
-                variant: request.variant.clone(),
+                scene: wanted.scene.clone(),
+                variant: wanted.variant.clone(),
+                node: wanted.node.clone(),
+                node_is_origin: wanted.node_is_origin,
+                clock: wanted.clock,
                 ..gltf::GltfOptions::default()
             };
             gltf::load(&request.path, files, &options, diags)

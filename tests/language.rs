@@ -7,8 +7,8 @@
 
 use pts::diag::{Diagnostic, Diagnostics, Severity, SourceMap, Span};
 use pts::files::DiskFiles;
-use pts::lang::{LoadOptions, ModelRequest, load};
-use pts::scene::{Falloff, Light, LightKind, Object, Place, Scene, Shape};
+use pts::lang::{LoadOptions, ModelOptions, ModelRequest, load};
+use pts::scene::{Aspect, Camera, Falloff, Light, LightKind, Material, Mesh, Object, Place, Scene, Shape};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -18,8 +18,9 @@ struct Loaded {
     diags: Diagnostics,
 }
 
-/// Stands for the importers: a model is one sphere and one lamp.
-fn model(_: &ModelRequest, _: &mut Diagnostics) -> Option<Scene> {
+/// Stands for the importers: a model is one sphere and one lamp. One that something is wanted of is named by that, and has
+/// a camera, a sphere of material "Paint" and two triangles, the second of material "Glass".
+fn model(request: &ModelRequest, _: &mut Diagnostics) -> Option<Scene> {
     let mut scene = Scene::default();
     scene.objects.push(Object::new(Shape::Sphere {
         center: glam::DVec3::new(0.0, 0.0, 1.0),
@@ -35,6 +36,30 @@ fn model(_: &ModelRequest, _: &mut Diagnostics) -> Option<Scene> {
         casts_shadows: true,
         motion: vec![],
         place: Place::None,
+    });
+    if request.options == ModelOptions::default() && !request.path.ends_with("parts.obj") {
+        return Some(scene);
+    }
+    let names = ["Paint", "Glass"];
+    let [paint, glass] = names.map(|name| {
+        let material = Material::diffuse(glam::DVec3::ONE);
+        let name = name.to_owned();
+        scene.add_material(Material { name, ..material })
+    });
+    scene.objects[0].material = Some(paint);
+    scene.objects[0].name = request.options.key();
+    let corners = [glam::DVec3::ZERO, glam::DVec3::X, glam::DVec3::Y];
+    let mut mesh = Mesh::from_f64("two", &corners, &[[0, 1, 2], [0, 2, 1]]).expect("corners in range");
+    mesh.materials = vec![Some(paint), Some(glass)];
+    mesh.face_materials = vec![0, 1];
+    let id = scene.add_mesh(mesh);
+    scene.objects.push(Object::new(Shape::Mesh(id)));
+    scene.cameras.push(Camera {
+        name: "Side".to_owned(),
+        direction: glam::DVec3::NEG_Z,
+        right: glam::DVec3::X,
+        aspect: Aspect::FromImage,
+        ..Camera::default()
     });
     Some(scene)
 }

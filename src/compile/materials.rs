@@ -229,6 +229,7 @@ impl<'a, 'i> Materials<'a, 'i> {
         engine::ScalarInput {
             factor: s.factor as f32,
             texture: s.texture.and_then(|(t, c)| Some((self.texture(t, diags)?, channel(c)))),
+            offset: s.offset as f32,
         }
     }
 
@@ -352,7 +353,7 @@ impl<'a, 'i> Materials<'a, 'i> {
                     &p.anisotropy,
                     &p.diffuse_transmission,
                 ];
-                p.anisotropy.factor != 0.0 || colors.into_iter().any(color) || scalars.into_iter().any(scalar)
+                !p.anisotropy.is_nothing() || colors.into_iter().any(color) || scalars.into_iter().any(scalar)
             }
         };
         alpha || surface || color(&m.emission) || m.normal_map.is_some() || m.bump_map.is_some()
@@ -376,8 +377,8 @@ pub(super) fn solid(material: &Material) -> (f32, f32, bool) {
         }
         SurfaceModel::Glossy { ior, .. } => (*ior as f32, 0.0, false),
         SurfaceModel::Principled(p) => {
-            let is_metal = p.metallic.texture.is_none() && p.metallic.factor >= 1.0;
-            let transmits = p.thick && p.transmission.factor > 0.0 && !is_metal;
+            let is_metal = is_at_least(&p.metallic, 1.0);
+            let transmits = p.thick && p.transmission.most() > 0.0 && !is_metal;
             (
                 if p.ior == 0.0 { f32::INFINITY } else { p.ior as f32 },
                 if transmits {

@@ -33,12 +33,32 @@ pub struct ModelRequest {
     pub kind: ModelKind,
     /// The file as found.
     pub path: PathBuf,
+    /// What of it.
+    pub options: ModelOptions,
+    /// Where the scene names it.
+    pub span: Span,
+}
+
+/// What a scene wants of a model's file. The same file with equal wishes is the same model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelOptions {
     /// `scene "name"`: which scene of the file.
     pub scene: Option<String>,
     /// `variant "name"`: which material variant.
     pub variant: Option<String>,
-    /// Where the scene names it.
-    pub span: Span,
+    /// `node "name"`: only this node and what hangs on it.
+    pub node: Option<String>,
+    /// `node "name" local`: the node's own space is the model's.
+    pub node_is_origin: bool,
+    /// `clock T`: seconds at which its animations are shown; at rest without.
+    pub clock: Option<f64>,
+}
+
+impl ModelOptions {
+    /// Different wishes have different texts.
+    pub fn key(&self) -> String {
+        format!("{self:?}")
+    }
 }
 
 /// Loads a model in its own coordinates; reports why if it cannot.

@@ -50,7 +50,7 @@ impl Reader<'_> {
         let opening = self.options.clock.unwrap_or(0.0);
         let known = Mutex::new(HashMap::new());
         let models = |request: &lang::ModelRequest, diags: &mut Diagnostics| {
-            let key = (request.path.clone(), request.scene.clone(), request.variant.clone());
+            let key = (request.path.clone(), request.options.key());
             let mut known = known.lock().unwrap_or_else(|e| e.into_inner());
             known
                 .entry(key)

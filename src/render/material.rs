@@ -233,7 +233,7 @@ impl Material {
         match &self.surface {
             SurfaceModel::Glass { .. } => true,
             SurfaceModel::Finish(f) => f.filter != 0.0 || f.transmit != 0.0,
-            SurfaceModel::Principled(p) => p.transmission.factor > 0.0,
+            SurfaceModel::Principled(p) => !p.transmission.is_nothing(),
             SurfaceModel::Mix { .. } if depth == 0 => false,
             SurfaceModel::Mix { a, b, .. } => [*a, *b].into_iter().any(|id| {
                 let part = materials.get(id as usize);
@@ -434,7 +434,7 @@ impl Material {
             };
         }
         match &self.surface {
-            SurfaceModel::Principled(p) if p.anisotropy.factor > 0.0 && p.anisotropy.unit(cx) > 0.0 => {
+            SurfaceModel::Principled(p) if !p.anisotropy.is_nothing() && p.anisotropy.unit(cx) > 0.0 => {
                 let frame = Frame::from_normal_and_tangent(n, cx.attrs.tangent);
                 let turns = p.anisotropy_rotation / std::f32::consts::TAU;
                 let (s, c) = sin_cos_turns(turns - turns.floor());

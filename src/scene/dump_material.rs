@@ -14,7 +14,11 @@ fn scalar(s: &ScalarInput) -> String {
     let texture = s
         .texture
         .map_or(String::new(), |(t, c)| format!("*texture {}.{c:?}", t.0));
-    format!("{}{texture}", num(s.factor))
+    let offset = match s.offset {
+        0.0 => String::new(),
+        offset => format!("{}+", num(offset)),
+    };
+    format!("{offset}{}{texture}", num(s.factor))
 }
 
 /// What a medium does, each with a space before it; nothing for a clear one.
@@ -113,6 +117,12 @@ fn principled_text(p: &Principled) -> String {
         ("sheen_roughness", p.sheen_roughness, d.sheen_roughness),
         ("anisotropy", p.anisotropy, d.anisotropy),
         ("diffuse_transmission", p.diffuse_transmission, d.diffuse_transmission),
+        ("iridescence", p.iridescence, d.iridescence),
+        (
+            "iridescence_thickness",
+            p.iridescence_thickness,
+            d.iridescence_thickness,
+        ),
     ];
     for (name, v, default) in scalars {
         if v != default {
@@ -123,6 +133,7 @@ fn principled_text(p: &Principled) -> String {
         ("ior", p.ior, d.ior),
         ("anisotropy_rotation", p.anisotropy_rotation, d.anisotropy_rotation),
         ("dispersion", p.dispersion, d.dispersion),
+        ("iridescence_ior", p.iridescence_ior, d.iridescence_ior),
     ];
     for (name, v, default) in numbers {
         if v != default {
@@ -148,6 +159,9 @@ fn principled_text(p: &Principled) -> String {
     }
     if let Some(n) = p.clearcoat_normal {
         let _ = write!(text, " clearcoat_normal {} {}", n.texture.0, num(n.scale));
+    }
+    if let Some(t) = p.anisotropy_direction {
+        let _ = write!(text, " anisotropy_direction {}", t.0);
     }
     text
 }

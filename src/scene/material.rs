@@ -25,18 +25,62 @@ impl From<DVec3> for ColorInput {
     }
 }
 
-/// A number that may vary over the surface: `factor · texture.channel` (or `factor` alone).
+/// A number that may vary over the surface: `offset + factor · texture.channel` (or `offset + factor` alone).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScalarInput {
-    /// Constant factor.
+    /// Factor of the texture; negative for complements such as 1 − gloss.
     pub factor: f64,
     /// Texture and the channel taken from it.
     pub texture: Option<(TextureId, Channel)>,
+    /// Added to the product; 0 for most inputs.
+    pub offset: f64,
 }
 
 impl From<f64> for ScalarInput {
     fn from(factor: f64) -> ScalarInput {
-        ScalarInput { factor, texture: None }
+        ScalarInput {
+            factor,
+            texture: None,
+            offset: 0.0,
+        }
+    }
+}
+
+impl ScalarInput {
+    /// `factor · texture.channel`, or `factor` alone.
+    pub fn scaled(factor: f64, texture: Option<(TextureId, Channel)>) -> ScalarInput {
+        ScalarInput {
+            factor,
+            texture,
+            offset: 0.0,
+        }
+    }
+
+    /// From `from` where the texture's channel is 0 to `to` where it is 1; `to` without a texture.
+    pub fn between(from: f64, to: f64, texture: Option<(TextureId, Channel)>) -> ScalarInput {
+        match texture {
+            Some(_) => ScalarInput {
+                factor: to - from,
+                texture,
+                offset: from,
+            },
+            None => to.into(),
+        }
+    }
+
+    /// The number where it is the same everywhere.
+    pub fn constant(&self) -> Option<f64> {
+        self.texture.is_none().then_some(self.offset + self.factor)
+    }
+
+    /// The largest that it can be, texels being in [0, 1].
+    pub fn most(&self) -> f64 {
+        self.constant().unwrap_or(self.offset + self.factor.max(0.0))
+    }
+
+    /// The smallest that it can be, texels being in [0, 1].
+    pub fn least(&self) -> f64 {
+        self.constant().unwrap_or(self.offset + self.factor.min(0.0))
     }
 }
 
@@ -136,12 +180,21 @@ pub struct Principled {
     pub anisotropy: ScalarInput,
     /// Rotation of the anisotropy in the tangent plane, radians.
     pub anisotropy_rotation: f64,
+    /// A data texture whose red and green, 2t − 1, are the direction of the anisotropy along tangent and bitangent, before
+    /// the rotation; the tangent if `None`, and where it is no direction.
+    pub anisotropy_direction: Option<TextureId>,
     /// Share of the diffuse part that leaves on the far side of a thin sheet.
     pub diffuse_transmission: ScalarInput,
     /// Its colour.
     pub diffuse_transmission_color: ColorInput,
     /// 20 / Abbe number; 0 for none.
     pub dispersion: f64,
+    /// Share of the surface under a thin film whose thickness shows as colours of interference, in [0, 1].
+    pub iridescence: ScalarInput,
+    /// Index of refraction of the film, ≥ 1.
+    pub iridescence_ior: f64,
+    /// Thickness of the film in nanometres, ≥ 0; 0 is no film.
+    pub iridescence_thickness: ScalarInput,
 }
 
 impl Default for Principled {
@@ -163,9 +216,13 @@ impl Default for Principled {
             sheen_roughness: 0.0.into(),
             anisotropy: 0.0.into(),
             anisotropy_rotation: 0.0,
+            anisotropy_direction: None,
             diffuse_transmission: 0.0.into(),
             diffuse_transmission_color: DVec3::ONE.into(),
             dispersion: 0.0,
+            iridescence: 0.0.into(),
+            iridescence_ior: 1.3,
+            iridescence_thickness: 400.0.into(),
         }
     }
 }
@@ -394,13 +451,16 @@ impl Material {
                     &p.sheen_roughness,
                     &p.anisotropy,
                     &p.diffuse_transmission,
+                    &p.iridescence,
+                    &p.iridescence_thickness,
                 ],
             ),
         }
-        let coat = match &self.surface {
-            SurfaceModel::Principled(p) => p.clearcoat_normal,
-            _ => None,
+        let (coat, direction) = match &self.surface {
+            SurfaceModel::Principled(p) => (p.clearcoat_normal, p.anisotropy_direction),
+            _ => (None, None),
         };
+        direction.into_iter().for_each(&mut *f);
         [self.normal_map, coat].into_iter().flatten().for_each(|n| f(n.texture));
         self.bump_map.into_iter().for_each(|b| f(b.texture));
     }

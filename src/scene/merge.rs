@@ -142,8 +142,13 @@ impl Offsets {
                     &mut p.sheen_roughness,
                     &mut p.anisotropy,
                     &mut p.diffuse_transmission,
+                    &mut p.iridescence,
+                    &mut p.iridescence_thickness,
                 ] {
                     self.scalar(s);
+                }
+                if let Some(t) = &mut p.anisotropy_direction {
+                    t.0 += self.textures;
                 }
                 self.normal(&mut p.clearcoat_normal);
             }

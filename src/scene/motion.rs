@@ -40,6 +40,31 @@ impl Camera {
     pub fn moves(&self) -> bool {
         differ(&self.motion)
     }
+
+    /// The camera moved by an affine map, its motion with it. A map that stretches changes what it sees as it changes the
+    /// world.
+    pub fn transformed(mut self, t: &DAffine3) -> Camera {
+        let key = self.key().transformed(t);
+        (self.location, self.direction, self.right, self.up) = (key.location, key.direction, key.right, key.up);
+        (self.lens_radius, self.focus_distance) = (key.lens_radius, key.focus_distance);
+        self.motion.iter_mut().for_each(|key| *key = key.transformed(t));
+        self
+    }
+}
+
+impl CameraKey {
+    /// The same place moved by an affine map. The lens grows with the length of a cube of the same volume.
+    fn transformed(&self, t: &DAffine3) -> CameraKey {
+        let size = t.matrix3.determinant().abs().cbrt();
+        CameraKey {
+            location: t.transform_point3(self.location),
+            direction: t.transform_vector3(self.direction),
+            right: t.transform_vector3(self.right),
+            up: t.transform_vector3(self.up),
+            lens_radius: self.lens_radius * size,
+            focus_distance: self.focus_distance * size,
+        }
+    }
 }
 
 impl Object {

@@ -87,7 +87,7 @@ impl Uses {
             SurfaceModel::Glass { roughness, .. } => {
                 self.specular = true;
                 self.dielectrics = true;
-                self.rough_lobes |= roughness.factor > 0.0;
+                self.rough_lobes |= roughness.most() > 0.0;
             }
             SurfaceModel::Glossy { metal, .. } => {
                 self.specular = true;
@@ -109,10 +109,10 @@ impl Uses {
     }
 
     fn add_principled(&mut self, p: &Principled) {
-        let coat = p.specular.factor > 0.0 || p.clearcoat.factor > 0.0;
-        self.dielectrics |= (coat && p.metallic.factor < 1.0) || p.transmission.factor > 0.0;
+        let coat = p.specular.most() > 0.0 || p.clearcoat.most() > 0.0;
+        self.dielectrics |= (coat && p.metallic.least() < 1.0) || p.transmission.most() > 0.0;
         self.specular = true;
-        self.rough_lobes |= p.roughness.factor > 0.0;
+        self.rough_lobes |= p.roughness.most() > 0.0;
         self.normal_maps |= p.clearcoat_normal.is_some();
     }
 }

@@ -243,17 +243,46 @@ fn specular_glossiness_becomes_a_dielectric_with_its_own_f0() {
     assert_eq!((p.metallic.factor, p.roughness.factor, p.ior), (0.0, 0.25, 0.0));
     let with_map = json!({"glossinessFactor": 0.75, "specularGlossinessTexture": {"index": 0}});
     let scene = Model::with_texture(extended(name, with_map)).load();
-    let main = scene.materials.iter().find_map(|m| match m.surface {
-        SurfaceModel::Mix { a, b, weight } => Some((a, b, weight)),
-        _ => None,
-    });
-    let (a, b, weight) = main.expect("a map of glossiness blends two surfaces");
-    let roughness = |id: pts::scene::MaterialId| match &scene.materials[id.index()].surface {
-        SurfaceModel::Principled(p) => p.roughness.factor,
-        other => panic!("{other:?}"),
-    };
-    assert_eq!((roughness(a), roughness(b)), (1.0, 0.25));
-    assert_eq!(weight.texture.map(|t| t.1), Some(Channel::A));
+    let p = principled(&scene);
+    assert_eq!(scene.materials.len(), 1);
+    assert_eq!((p.roughness.offset, p.roughness.factor), (1.0, -0.75));
+    assert_eq!(p.roughness.texture.map(|t| t.1), Some(Channel::A));
+}
+
+/// Oracle: the extension's text. The thickness is mix(minimum, maximum, green), and the maximum without a texture.
+#[test]
+fn a_film_has_its_index_and_the_range_of_its_thickness() {
+    let name = "KHR_materials_iridescence";
+    let load = |fields: Value| Model::with_texture(extended(name, fields)).load();
+    let bare = load(json!({"iridescenceFactor": 0.5}));
+    let p = principled(&bare);
+    assert_eq!((p.iridescence.constant(), p.iridescence_ior), (Some(0.5), 1.3));
+    assert_eq!(p.iridescence_thickness.constant(), Some(400.0));
+    let mapped = load(
+        json!({"iridescenceFactor": 1, "iridescenceIor": 1.8, "iridescenceTexture": {"index": 0},
+        "iridescenceThicknessMinimum": 700, "iridescenceThicknessMaximum": 200,
+        "iridescenceThicknessTexture": {"index": 0}}),
+    );
+    let p = principled(&mapped);
+    assert_eq!(p.iridescence.texture.map(|t| t.1), Some(Channel::R));
+    let thickness = p.iridescence_thickness;
+    assert_eq!((thickness.offset, thickness.factor), (700.0, -500.0));
+    assert_eq!(thickness.texture.map(|t| t.1), Some(Channel::G));
+    assert_eq!((thickness.least(), thickness.most()), (200.0, 700.0));
+    let none = load(json!({"iridescenceFactor": 0, "iridescenceThicknessTexture": {"index": 0}}));
+    assert!(none.textures.is_empty(), "a film of no share reads nothing");
+}
+
+/// Red and green of the texture are a direction, blue a factor of the strength.
+#[test]
+fn the_texture_of_an_anisotropy_has_its_direction_too() {
+    let fields = json!({"anisotropyStrength": 0.5, "anisotropyRotation": 0.25, "anisotropyTexture": {"index": 0}});
+    let scene = Model::with_texture(extended("KHR_materials_anisotropy", fields)).load();
+    let p = principled(&scene);
+    assert_eq!((p.anisotropy.factor, p.anisotropy_rotation), (0.5, 0.25));
+    let (texture, channel) = p.anisotropy.texture.unwrap();
+    assert_eq!((channel, p.anisotropy_direction), (Channel::B, Some(texture)));
+    assert_eq!(image(&scene, Some(texture)).encoding, Encoding::Linear);
 }
 
 #[test]

@@ -189,7 +189,7 @@ fn parts<'s>(scene: &'s Scene, m: &'s Material) -> Vec<&'s Material> {
         let SurfaceModel::Mix { a, b, weight } = &part.surface else {
             continue;
         };
-        let constant = weight.texture.is_none().then_some(weight.factor);
+        let constant = weight.constant();
         let seen = [(a, constant != Some(1.0)), (b, constant != Some(0.0))];
         for (id, _) in seen.into_iter().filter(|(id, seen)| *seen && known.insert(**id)) {
             found.extend(scene.materials.get(id.index()));
@@ -210,7 +210,7 @@ fn of_part(scene: &Scene, m: &Material, add: &mut dyn FnMut(Effect, String)) {
         SurfaceModel::Glass {
             ior, roughness, abbe, ..
         } => {
-            let rough = if roughness.factor > 0.0 { "rough glass" } else { "glass" };
+            let rough = if roughness.most() > 0.0 { "rough glass" } else { "glass" };
             // By itself an index of 1 bends nothing.
             if *ior != 1.0 {
                 add(Glass, format!("{rough} of ior {ior}"));
@@ -221,11 +221,11 @@ fn of_part(scene: &Scene, m: &Material, add: &mut dyn FnMut(Effect, String)) {
         }
         SurfaceModel::Glossy { roughness, metal, .. } => {
             let what = if *metal { "metal" } else { "coat" };
-            add(Glossy, format!("{what} of roughness {}", roughness.factor));
+            add(Glossy, format!("{what} of roughness {}", roughness.most()));
         }
         SurfaceModel::Translucent { transmit, .. } => {
-            if transmit.factor > 0.0 {
-                add(Translucent, format!("transmits {}", transmit.factor));
+            if transmit.most() > 0.0 {
+                add(Translucent, format!("transmits {}", transmit.most()));
             }
         }
         SurfaceModel::Principled(p) => {
@@ -270,7 +270,7 @@ fn of_whole(scene: &Scene, m: &Material, parts: &[&Material], add: &mut dyn FnMu
         add(Bump, format!("height map \"{image}\""));
     }
     let a = &m.opacity.alpha;
-    if m.opacity.mode != OpacityMode::Opaque && (a.texture.is_some() || a.factor < 1.0) {
+    if m.opacity.mode != OpacityMode::Opaque && (a.texture.is_some() || a.most() < 1.0) {
         add(Alpha, "coverage below 1".to_owned());
     }
     let media = filled(m, parts).into_iter();
@@ -290,7 +290,7 @@ pub(super) fn filled<'s>(m: &'s Material, parts: &[&'s Material]) -> Vec<&'s Med
 fn lets_in(surface: &SurfaceModel) -> bool {
     match surface {
         SurfaceModel::Glass { .. } => true,
-        SurfaceModel::Principled(p) => p.thick && p.transmission.factor > 0.0,
+        SurfaceModel::Principled(p) => p.thick && p.transmission.most() > 0.0,
         SurfaceModel::Finish(f) => passes(f),
         SurfaceModel::Black
         | SurfaceModel::Diffuse { .. }
@@ -314,24 +314,24 @@ fn doings(m: &Medium) -> impl Iterator<Item = &'static str> + use<> {
 }
 
 fn of_principled(p: &Principled, add: &mut dyn FnMut(Effect, String)) {
-    let is_rough_metal = p.metallic.factor > 0.0 && p.roughness.factor > 0.0;
-    let is_layered = p.clearcoat.factor > 0.0 || p.sheen_color.factor.max_element() > 0.0;
+    let is_rough_metal = p.metallic.most() > 0.0 && p.roughness.most() > 0.0;
+    let is_layered = p.clearcoat.most() > 0.0 || p.sheen_color.factor.max_element() > 0.0;
     if has_coat(p) || is_rough_metal || is_layered {
-        add(Glossy, format!("principled, roughness {}", p.roughness.factor));
+        add(Glossy, format!("principled, roughness {}", p.roughness.most()));
     }
-    if p.metallic.factor > 0.0 && !is_rough_metal {
+    if p.metallic.most() > 0.0 && !is_rough_metal {
         add(Specular, "smooth metal".to_owned());
     }
-    if p.transmission.factor > 0.0 && p.ior != 1.0 {
-        add(Glass, format!("transmission {}, ior {}", p.transmission.factor, p.ior));
+    if p.transmission.most() > 0.0 && p.ior != 1.0 {
+        add(Glass, format!("transmission {}, ior {}", p.transmission.most(), p.ior));
         if p.dispersion > 0.0 && p.thick && p.ior != 1.0 {
             add(Dispersion, format!("dispersion {}", p.dispersion));
         }
     }
-    if p.diffuse_transmission.factor > 0.0 {
+    if p.diffuse_transmission.most() > 0.0 {
         add(
             Translucent,
-            format!("diffuse transmission {}", p.diffuse_transmission.factor),
+            format!("diffuse transmission {}", p.diffuse_transmission.most()),
         );
     }
 }

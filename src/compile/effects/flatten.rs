@@ -138,10 +138,7 @@ mod tests {
         if let SurfaceModel::Diffuse { color, .. } = &mut material.surface {
             color.texture = Some(texture);
         }
-        material.opacity.alpha = ScalarInput {
-            factor: 1.0,
-            texture: Some((texture, Channel::R)),
-        };
+        material.opacity.alpha = ScalarInput::scaled(1.0, Some((texture, Channel::R)));
         material.normal_map = Some(NormalMap { texture, scale: 1.0 });
         scene.add_material(material);
         images(&mut scene, &MemoryFiles::default());

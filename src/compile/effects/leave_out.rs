@@ -94,7 +94,7 @@ fn no_mirrors(material: &mut Material) {
     match &mut material.surface {
         SurfaceModel::Finish(f) => f.reflection = None,
         SurfaceModel::Specular { .. } => material.surface = SurfaceModel::Black,
-        SurfaceModel::Principled(p) if p.metallic.factor > 0.0 && p.roughness.factor == 0.0 => {
+        SurfaceModel::Principled(p) if p.metallic.most() > 0.0 && p.roughness.most() == 0.0 => {
             p.metallic = 0.0.into();
             p.base_color = ColorInput::constant(DVec3::ZERO);
             p.specular = 0.0.into();
@@ -108,7 +108,7 @@ fn no_refraction(material: &mut Material) {
     no_dispersion(material);
     match &mut material.surface {
         SurfaceModel::Glass { ior, roughness, .. } => (*ior, *roughness) = (1.0, 0.0.into()),
-        SurfaceModel::Principled(p) if p.transmission.factor > 0.0 => (p.ior, p.roughness) = (1.0, 0.0.into()),
+        SurfaceModel::Principled(p) if p.transmission.most() > 0.0 => (p.ior, p.roughness) = (1.0, 0.0.into()),
         SurfaceModel::Finish(f) => f.ior = None,
         _ => {}
     }
@@ -134,7 +134,7 @@ fn no_highlights(material: &mut Material) {
             if has_coat(p) {
                 p.specular = 0.0.into();
             }
-            if p.metallic.factor > 0.0 {
+            if p.metallic.most() > 0.0 {
                 p.roughness = 0.0.into();
             }
         }
@@ -159,5 +159,5 @@ pub(super) fn passes(f: &Finish) -> bool {
 
 /// Whether a principled surface is a dielectric with a coat over a base.
 pub(super) fn has_coat(p: &Principled) -> bool {
-    p.specular.factor > 0.0 && p.ior != 1.0 && p.transmission.factor < 1.0 && p.metallic.factor < 1.0
+    p.specular.most() > 0.0 && p.ior != 1.0 && p.transmission.least() < 1.0 && p.metallic.least() < 1.0
 }

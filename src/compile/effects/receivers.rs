@@ -103,8 +103,8 @@ fn scatters(surface: &SurfaceModel) -> (bool, bool) {
         SurfaceModel::Glass { ior, .. } => (false, *ior != 1.0),
         SurfaceModel::Glossy { metal, .. } => (!metal, true),
         SurfaceModel::Principled(p) => {
-            let casts = has_coat(p) || p.metallic.factor > 0.0 || p.transmission.factor > 0.0;
-            (p.metallic.factor < 1.0 && p.transmission.factor < 1.0, casts)
+            let casts = has_coat(p) || p.metallic.most() > 0.0 || p.transmission.most() > 0.0;
+            (p.metallic.least() < 1.0 && p.transmission.least() < 1.0, casts)
         }
         SurfaceModel::Finish(f) => {
             let casts = f.reflection.is_some() || (f.ior.is_some() && passes(f)) || f.phong > 0.0 || f.specular > 0.0;

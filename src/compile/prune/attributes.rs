@@ -56,5 +56,5 @@ fn bytes(mesh: &Mesh) -> u64 {
 fn reads(material: &Material) -> bool {
     let mut found = false;
     material.each_texture(&mut |_| found = true);
-    found || matches!(&material.surface, SurfaceModel::Principled(p) if p.anisotropy.factor != 0.0)
+    found || matches!(&material.surface, SurfaceModel::Principled(p) if p.anisotropy.most() != 0.0)
 }

@@ -148,6 +148,8 @@ fn fold(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
                 &mut p.sheen_roughness,
                 &mut p.anisotropy,
                 &mut p.diffuse_transmission,
+                &mut p.iridescence,
+                &mut p.iridescence_thickness,
             ] {
                 folder.scalar(scalar);
             }
@@ -179,7 +181,7 @@ impl Folder<'_, '_, '_> {
             return;
         };
         if input.factor == 0.0 {
-            input.texture = None;
+            *input = input.offset.into();
             return self.drop(texture, "it is multiplied by 0");
         }
         let index = match channel {
@@ -189,7 +191,7 @@ impl Folder<'_, '_, '_> {
             Channel::A => 3,
         };
         if let Some(value) = self.facts.known(texture)[index] {
-            *input = f64::from(input.factor as f32 * value).into();
+            *input = f64::from(input.offset as f32 + input.factor as f32 * value).into();
             return self.drop(texture, "what is read of it is the same all over");
         }
         input.texture = Some((self.facts.without_ones(texture), channel));
@@ -204,12 +206,12 @@ impl Folder<'_, '_, '_> {
 
 /// Whether an input is this number or more everywhere.
 pub fn is_at_least(input: &ScalarInput, value: f64) -> bool {
-    input.texture.is_none() && input.factor >= value
+    input.constant().is_some_and(|v| v >= value)
 }
 
 /// Whether an input is 0 or less everywhere, which counts as 0.
 pub fn is_nothing(input: &ScalarInput) -> bool {
-    input.texture.is_none() && input.factor <= 0.0
+    input.constant().is_some_and(|v| v <= 0.0)
 }
 
 /// Whether a colour is black everywhere.

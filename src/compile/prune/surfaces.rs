@@ -120,6 +120,13 @@ fn principled(p: &mut Principled) {
     if is_black(&p.sheen_color) {
         p.sheen_roughness = 0.0.into();
     }
+    if is_nothing(&p.anisotropy) {
+        p.anisotropy_direction = None;
+    }
+    if is_nothing(&p.iridescence) || is_nothing(&p.iridescence_thickness) {
+        p.iridescence = 0.0.into();
+        p.iridescence_thickness = 0.0.into();
+    }
 }
 
 fn finish(f: &mut Finish, notes: &mut Notes) {

@@ -1,10 +1,10 @@
-//! Materials: the core's metallic-roughness model and the extensions that refine it.
+//! Materials: the core's metallic-roughness model, coverage and emission; [`super::refine`] has the extensions.
 
 use super::Loader;
 use super::extension::{FINITE, Fields, NOT_NEGATIVE, UNIT, exact, limit};
 use crate::scene::{
-    Channel, ColorInput, EmissionSides, Encoding, Material, MaterialId, Medium, NormalMap, Opacity, OpacityMode,
-    Principled, ScalarInput, SurfaceModel, Texture, TextureId,
+    Channel, ColorInput, EmissionSides, Encoding, Material, MaterialId, NormalMap, Opacity, OpacityMode, Principled,
+    ScalarInput, SurfaceModel, Texture, TextureId,
 };
 use glam::{DVec3, DVec4};
 use gltf::json;
@@ -84,11 +84,8 @@ impl Loader<'_> {
         material.normal_map = self.normal_map(raw.get("normalTexture"), &format!("{at}.normalTexture"));
         let mut surface = self.core_surface(raw, &base, &at);
         material.interior = self.refine(raw, &mut surface, &at);
-        let gloss = self.apply_specular_glossiness(raw, &mut surface, &at);
-        material.surface = match gloss {
-            Some(gloss) => self.surface_with_gloss_map(surface, gloss),
-            None => SurfaceModel::Principled(Box::new(surface)),
-        };
+        self.apply_specular_glossiness(raw, &mut surface, &at);
+        material.surface = SurfaceModel::Principled(Box::new(surface));
         Some(self.scene.add_material(material))
     }
 
@@ -172,107 +169,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The extensions that refine the surface. Returns what fills the inside.
-    fn refine(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> Medium {
-        if let Some(ior) = Fields::of(raw, "KHR_materials_ior", at) {
-            surface.ior = ior.number("ior", 1.5, NOT_NEGATIVE, &mut self.report);
-            if surface.ior != 0.0 {
-                surface.ior = limit(surface.ior, 1.0..=f64::MAX, &ior.place("ior"), &mut self.report);
-            }
-        }
-        if let Some(e) = Fields::of(raw, "KHR_materials_specular", at) {
-            surface.specular = self.scalar(&e, "specularFactor", 1.0, "specularTexture", Channel::A);
-            surface.specular_color = self.color(&e, "specularColorFactor", 1.0, "specularColorTexture");
-        }
-        if let Some(e) = Fields::of(raw, "KHR_materials_transmission", at) {
-            surface.transmission = self.scalar(&e, "transmissionFactor", 0.0, "transmissionTexture", Channel::R);
-        }
-        if let Some(e) = Fields::of(raw, "KHR_materials_clearcoat", at) {
-            surface.clearcoat = self.scalar(&e, "clearcoatFactor", 0.0, "clearcoatTexture", Channel::R);
-            let (factor, texture) = ("clearcoatRoughnessFactor", "clearcoatRoughnessTexture");
-            surface.clearcoat_roughness = self.scalar(&e, factor, 0.0, texture, Channel::G);
-            let info = e
-                .member("clearcoatNormalTexture")
-                .filter(|_| surface.clearcoat.factor != 0.0);
-            surface.clearcoat_normal = self.normal_map(info, &e.place("clearcoatNormalTexture"));
-        }
-        if let Some(e) = Fields::of(raw, "KHR_materials_sheen", at) {
-            surface.sheen_color = self.color(&e, "sheenColorFactor", 0.0, "sheenColorTexture");
-            let (factor, texture) = ("sheenRoughnessFactor", "sheenRoughnessTexture");
-            surface.sheen_roughness = self.scalar(&e, factor, 0.0, texture, Channel::A);
-        }
-        if let Some(e) = Fields::of(raw, "KHR_materials_anisotropy", at) {
-            // Red and green of the texture turn the direction too; only its strength (blue) is read.
-            surface.anisotropy = self.scalar(&e, "anisotropyStrength", 0.0, "anisotropyTexture", Channel::B);
-            surface.anisotropy_rotation = e.number("anisotropyRotation", 0.0, FINITE, &mut self.report);
-        }
-        if let Some(e) = Fields::of(raw, "KHR_materials_diffuse_transmission", at) {
-            let (factor, texture) = ("diffuseTransmissionFactor", "diffuseTransmissionTexture");
-            surface.diffuse_transmission = self.scalar(&e, factor, 0.0, texture, Channel::A);
-            let (factor, texture) = ("diffuseTransmissionColorFactor", "diffuseTransmissionColorTexture");
-            surface.diffuse_transmission_color = self.color(&e, factor, 1.0, texture);
-        }
-        if let Some(e) = Fields::of(raw, "KHR_materials_dispersion", at) {
-            surface.dispersion = e.number("dispersion", 0.0, NOT_NEGATIVE, &mut self.report);
-        }
-        if let Some(e) = Fields::of(raw, "KHR_materials_iridescence", at)
-            && e.number("iridescenceFactor", 0.0, UNIT, &mut self.report) > 0.0
-        {
-            self.report.warning(
-                "G0706",
-                at,
-                "KHR_materials_iridescence is not supported; the film is left out",
-            );
-        }
-        self.volume(raw, surface, at)
-    }
-
-    /// `KHR_materials_pbrSpecularGlossiness`: a dielectric whose F0 is the specular colour (ior 0 means F0 = 1 before
-    /// the tint). Returns the map of glossiness, if it has one.
-    fn apply_specular_glossiness(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> Option<TextureId> {
-        let old = Fields::of(raw, SPECULAR_GLOSSINESS, at)?;
-        surface.metallic = 0.0.into();
-        surface.ior = 0.0;
-        surface.specular_color = self.color(&old, "specularFactor", 1.0, "specularGlossinessTexture");
-        let gloss = old.number("glossinessFactor", 1.0, UNIT, &mut self.report);
-        surface.roughness = (1.0 - gloss).into();
-        let (info, place) = (
-            old.member("specularGlossinessTexture"),
-            old.place("specularGlossinessTexture"),
-        );
-        self.texture(info.filter(|_| gloss > 0.0), Encoding::Srgb, &place)
-    }
-
-    /// 1 − gloss·texture is no product, so the map blends between the rough and the smooth surface instead.
-    fn surface_with_gloss_map(&mut self, smooth: Principled, gloss: TextureId) -> SurfaceModel {
-        let mut rough = smooth.clone();
-        rough.roughness = 1.0.into();
-        let mut add = |surface| {
-            self.scene
-                .add_material(Material::new(SurfaceModel::Principled(Box::new(surface))))
-        };
-        SurfaceModel::Mix {
-            a: add(rough),
-            b: add(smooth),
-            weight: scalar_input(1.0, Some(gloss), Channel::A),
-        }
-    }
-
-    /// A share with its texture; the texture of a share of 0 is not read.
-    fn scalar(&mut self, e: &Fields, factor: &str, default: f64, texture: &str, channel: Channel) -> ScalarInput {
-        let factor = e.number(factor, default, UNIT, &mut self.report);
-        let info = e.member(texture).filter(|_| factor != 0.0);
-        scalar_input(factor, self.texture(info, Encoding::Linear, &e.place(texture)), channel)
-    }
-
-    /// A colour with its sRGB texture; the texture of black is not read.
-    fn color(&mut self, e: &Fields, factor: &str, default: f64, texture: &str) -> ColorInput {
-        let factor = e.color(factor, default, NOT_NEGATIVE, &mut self.report);
-        let info = e.member(texture).filter(|_| factor != DVec3::ZERO);
-        color_input(factor, self.texture(info, Encoding::Srgb, &e.place(texture)))
-    }
-
-    fn normal_map(&mut self, info: Option<&Value>, at: &str) -> Option<NormalMap> {
+    pub(super) fn normal_map(&mut self, info: Option<&Value>, at: &str) -> Option<NormalMap> {
         let scale = Fields::new(info?, at).number("scale", 1.0, FINITE, &mut self.report);
         let texture = self.texture(info, Encoding::Linear, at)?;
         Some(NormalMap { texture, scale })
@@ -286,15 +183,13 @@ impl Loader<'_> {
 
 const TABLE: &str = "materials";
 const PBR: &str = "pbrMetallicRoughness";
-const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
-fn color_input(factor: DVec3, texture: Option<TextureId>) -> ColorInput {
+pub(super) fn color_input(factor: DVec3, texture: Option<TextureId>) -> ColorInput {
     ColorInput { factor, texture }
 }
 
-fn scalar_input(factor: f64, texture: Option<TextureId>, channel: Channel) -> ScalarInput {
-    ScalarInput {
-        factor,
-        texture: texture.map(|t| (t, channel)),
-    }
+/// `factor · texture.channel`.
+pub(super) fn scalar_input(factor: f64, texture: Option<TextureId>, channel: Channel) -> ScalarInput {
+    ScalarInput::scaled(factor, texture.map(|t| (t, channel)))
 }

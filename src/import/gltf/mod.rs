@@ -28,7 +28,9 @@ mod meshopt;
 mod moving;
 mod node;
 mod part;
+mod refine;
 mod required;
+mod subtree;
 mod tangent;
 mod texture;
 mod triangles;
@@ -49,6 +51,10 @@ use std::rc::Rc;
 pub struct GltfOptions {
     /// Name (or number) of the scene to draw; `None` is the file's own choice, else its first.
     pub scene: Option<String>,
+    /// Name (or number) of a node: only it and what hangs on it is drawn, in its place; lamps and cameras too.
+    pub node: Option<String>,
+    /// Whether the place and pose of that node are left out, so that its own space is the scene's.
+    pub node_is_origin: bool,
     /// Name of the material variant (`KHR_materials_variants`); `None` is the materials as written.
     pub variant: Option<String>,
     /// Seconds at which the file's animations are shown; without it everything stands as it is written, unless the

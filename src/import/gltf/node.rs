@@ -26,7 +26,7 @@ pub(super) struct Placed {
     /// As it is written, unless it has a matrix.
     pub rest: Option<Rest>,
     pub world: DAffine3,
-    visible: bool,
+    pub visible: bool,
 }
 
 /// Most instances of one node: an accessor of zeros could ask for any number.
@@ -40,7 +40,10 @@ impl Loader<'_> {
         };
         let played = self.options.clock.is_some() || self.options.shutter > 0.0;
         let tracks = if played { self.tracks() } else { Tracks::default() };
-        let placed = self.place_nodes(roots, &tracks);
+        let mut placed = self.place_nodes(roots, &tracks);
+        let Some(origin) = self.keep_subtree(&mut placed) else {
+            return;
+        };
         let moving = self.follow(&placed, &tracks);
         let mut world = vec![None; self.doc.len("nodes")];
         for p in &placed {
@@ -51,6 +54,7 @@ impl Loader<'_> {
             let is_skinned = self.load_node(p, &world, &tracks, &moving);
             self.give_motion(moving.keys(i), before, is_skinned);
         }
+        self.put_origin(origin);
         if self.scene.objects.is_empty() && !self.report.failed {
             self.report.warning("G0501", "", "the scene has nothing to draw");
         }

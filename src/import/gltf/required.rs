@@ -20,6 +20,7 @@ const KNOWN: &[&str] = &[
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
@@ -37,12 +38,7 @@ const KNOWN: &[&str] = &[
 ];
 
 /// Materials and pictures that only look different without them.
-const APPROXIMATED: &[&str] = &[
-    "KHR_materials_iridescence",
-    "KHR_texture_basisu",
-    "EXT_texture_avif",
-    "MSFT_texture_dds",
-];
+const APPROXIMATED: &[&str] = &["KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"];
 
 /// Reports each required extension that this reader does not know.
 pub(super) fn check(doc: &Document, report: &mut Report) {

@@ -111,10 +111,10 @@ impl Mapping<'_, '_> {
             return written.unwrap_or(default).into();
         };
         match self.textures.add(map, Encoding::Linear, self.scene, self.report) {
-            Some(texture) => ScalarInput {
-                factor: written.filter(|v| *v != 0.0).unwrap_or(1.0) * map.gain,
-                texture: Some((texture, map.channel.unwrap_or(Channel::R))),
-            },
+            Some(texture) => {
+                let factor = written.filter(|v| *v != 0.0).unwrap_or(1.0) * map.gain;
+                ScalarInput::scaled(factor, Some((texture, map.channel.unwrap_or(Channel::R))))
+            }
             None => written.unwrap_or(default).into(),
         }
     }
@@ -330,10 +330,7 @@ impl Mapping<'_, '_> {
         };
         Opacity {
             mode: OpacityMode::Blend,
-            alpha: ScalarInput {
-                factor: if value == 0.0 { 1.0 } else { value },
-                texture: Some((texture, channel)),
-            },
+            alpha: ScalarInput::scaled(if value == 0.0 { 1.0 } else { value }, Some((texture, channel))),
         }
     }
 

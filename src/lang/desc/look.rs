@@ -1,9 +1,9 @@
-//! How surfaces and insides are described: POV-Ray's textures and the language's own materials.
+//! How surfaces and insides are described: POV-Ray's textures, and what all looks have in common.
 
-use super::MediaDesc;
+use super::{MediaDesc, SurfaceDesc};
 use crate::diag::Span;
-use crate::scene::{FinishReflection, Medium};
-use glam::DVec3;
+use crate::scene::{Channel, FinishReflection};
+use glam::{DAffine3, DVec3};
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -67,6 +67,10 @@ pub struct Pigment {
     pub image: Option<Rc<ImageDesc>>,
     /// Whether it goes by the surface's own coordinates (`uv_mapping`).
     pub uv: bool,
+    /// Moves what it shows; of images by the surface's own coordinates only.
+    pub transform: DAffine3,
+    /// Multiplied to it, in the scene's working gamma.
+    pub tint: DVec3,
 }
 
 impl Pigment {
@@ -77,6 +81,17 @@ impl Pigment {
             pattern: None,
             image: None,
             uv: false,
+            transform: DAffine3::IDENTITY,
+            tint: DVec3::ONE,
+        }
+    }
+
+    /// An image on the surface's own coordinates.
+    pub fn on_surface(image: Rc<ImageDesc>) -> Pigment {
+        Pigment {
+            image: Some(image),
+            uv: true,
+            ..Pigment::plain([1.0, 1.0, 1.0, 0.0, 0.0])
         }
     }
 }
@@ -145,70 +160,6 @@ pub struct InteriorDesc {
     pub media: Vec<Rc<MediaDesc>>,
 }
 
-/// One of the language's own materials.
-#[derive(Clone, Debug)]
-pub struct SurfaceDesc {
-    /// Which one.
-    pub model: ModelSurface,
-    /// `emission`, in the scene's working gamma.
-    pub emission: Option<Rc<Pigment>>,
-    /// How the normal is perturbed, if it is.
-    pub normal: Option<Rc<NormalDesc>>,
-    /// How deep mixes are nested in it.
-    pub depth: u32,
-    /// Where it was written.
-    pub span: Span,
-}
-
-/// The materials that POV-Ray lacks. Colours are in the scene's working gamma.
-#[derive(Clone, Debug)]
-pub enum ModelSurface {
-    /// Lambert or Oren–Nayar.
-    Diffuse { color: Rc<Pigment>, sigma: f64 },
-    /// Mirror.
-    Specular { color: Rc<Pigment> },
-    /// Dielectric solid.
-    Glass {
-        color: Rc<Pigment>,
-        ior: f64,
-        roughness: f64,
-        abbe: Option<f64>,
-        inside: Medium,
-    },
-    /// Coated or metallic.
-    Glossy {
-        color: Rc<Pigment>,
-        roughness: f64,
-        ior: f64,
-        metal: bool,
-    },
-    /// Thin sheet.
-    Translucent { color: Rc<Pigment>, transmit: f64 },
-    /// The glTF set.
-    Principled(Box<PrincipledDesc>),
-    /// (1 − weight)·a + weight·b.
-    Mix { a: Look, b: Look, weight: f64 },
-    /// Only emission.
-    Black,
-}
-
-/// `principled { … }`: colours here, the rest as in the IR.
-#[derive(Clone, Debug)]
-pub struct PrincipledDesc {
-    /// `base_color`.
-    pub base_color: Rc<Pigment>,
-    /// `specular_color`.
-    pub specular_color: Rc<Pigment>,
-    /// `sheen_color`.
-    pub sheen_color: Rc<Pigment>,
-    /// `diffuse_transmission_color`.
-    pub diffuse_transmission_color: Rc<Pigment>,
-    /// The numbers; its colours are not used.
-    pub numbers: crate::scene::Principled,
-    /// `absorption`, `scattering`, `phase`.
-    pub inside: Medium,
-}
-
 /// `image_map { … }`.
 #[derive(Clone, Debug)]
 pub struct ImageDesc {
@@ -220,6 +171,10 @@ pub struct ImageDesc {
     pub once: bool,
     /// Whether values between texels are interpolated.
     pub smooth: bool,
+    /// `channel`: which one is taken where a number is wanted.
+    pub channel: Option<Channel>,
+    /// Moves it over the surface's own coordinates.
+    pub transform: DAffine3,
     /// Where it is named.
     pub span: Span,
 }

@@ -3,12 +3,11 @@
 
 mod air;
 mod look;
+mod surface;
 
 pub use air::{FogDesc, MediaDesc};
-pub use look::{
-    FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, ModelSurface, NormalDesc, Pigment, PrincipledDesc,
-    SurfaceDesc,
-};
+pub use look::{FinishDesc, ImageDesc, InteriorDesc, Layer, Layers, Look, NormalDesc, Pigment};
+pub use surface::{BesideDesc, ModelSurface, NormalMapDesc, NumberDesc, PrincipledDesc, SurfaceDesc};
 
 use crate::diag::Span;
 use crate::scene::{Mesh, RenderDefaults, Shape, Visibility};
@@ -144,10 +143,14 @@ pub struct ModelDesc {
     pub kind: crate::lang::ModelKind,
     /// The file as found.
     pub path: PathBuf,
-    /// The scene asked for.
-    pub scene: Option<String>,
-    /// The material variant asked for.
-    pub variant: Option<String>,
+    /// What of it.
+    pub options: crate::lang::ModelOptions,
+    /// Whether its lamps shine.
+    pub lights: bool,
+    /// Whether its cameras can be chosen.
+    pub cameras: bool,
+    /// `material "name" { … }`: what replaces its materials of these names, with the places of the names.
+    pub materials: Vec<(String, Span, Look)>,
     /// Where it is named.
     pub span: Span,
 }

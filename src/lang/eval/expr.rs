@@ -1,8 +1,8 @@
 //! Expressions over numbers, vectors and colours. Comparisons, `&`, `|` and `?:` exist only inside parentheses (or
 //! directive conditions), as in POV-Ray: in the open, `<` begins a vector.
 
-use super::{Interp, Num, Parsed, T, Tok, Value};
-use crate::diag::Span;
+use super::{ImageFactor, Interp, Num, Parsed, T, Tok, Value};
+use crate::diag::{Diagnostic, Span};
 use crate::lang::syntax::token::{GE, LE, NE};
 use crate::lang::syntax::{Symbol, Word};
 use glam::DVec3;
@@ -25,8 +25,17 @@ impl Interp<'_> {
                 T::Mark(b'-') => |a, b| a - b,
                 _ => return Ok(left),
             };
-            self.bump();
-            let right = self.product()?;
+            let at = self.bump().span;
+            let is_image = self.image_factor == ImageFactor::May && self.begins_source();
+            let right = if is_image { Num::float(1.0) } else { self.product()? };
+            if is_image || matches!(self.image_factor, ImageFactor::Met(_)) {
+                if left.len > 1 {
+                    let d = Diagnostic::error("P0303", "only a number can be added to an image").at(at, "");
+                    return Err(self.report(d));
+                }
+                self.image_factor = ImageFactor::Met(Some((left.v[0], at)));
+                return Ok(right.map(|c| op(0.0, c)));
+            }
             left = left.zip(right, op);
         }
     }
@@ -38,6 +47,10 @@ impl Interp<'_> {
             match tok.t {
                 T::Mark(b'*') => {
                     self.bump();
+                    if self.image_factor == ImageFactor::May && self.begins_source() {
+                        self.image_factor = ImageFactor::Met(None);
+                        return Ok(left);
+                    }
                     let right = self.unary()?;
                     left = left.zip(right, |a, b| a * b);
                 }
@@ -56,7 +69,8 @@ impl Interp<'_> {
         }
     }
 
-    fn unary(&mut self) -> Parsed<Num> {
+    /// A value that operators have not been applied to, but for its sign.
+    pub fn unary(&mut self) -> Parsed<Num> {
         let mut negative = false;
         loop {
             let tok = self.peek();

@@ -26,7 +26,7 @@ mod user_functions;
 mod value;
 mod vector_functions;
 
-pub use errors::{Parsed, Stop};
+pub use errors::{Parsed, Stop, nearest};
 pub use stream::{T, Tok};
 pub use value::{Array, Function, Macro, Num, Value};
 
@@ -66,6 +66,18 @@ pub const MAX_DEPTH: u32 = 200;
 /// Errors after which reading stops.
 const MAX_ERRORS: usize = 100;
 
+/// Whether an expression may lead to an image: `0.2 + 0.8 * image_map { … }`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ImageFactor {
+    /// It is a value.
+    No,
+    /// It may.
+    May,
+    /// It does: the expression has ended in front of the image, and its value is the image's factor. What is added to the
+    /// product, with its place.
+    Met(Option<(f64, Span)>),
+}
+
 /// The state of reading one scene.
 pub struct Interp<'a> {
     /// Where files come from.
@@ -82,6 +94,8 @@ pub struct Interp<'a> {
     pub scopes: Scopes,
     /// Whether `transmit` behind a colour belongs to what holds the colour.
     pub colors_end_at_transmit: bool,
+    /// Whether an image may follow a factor.
+    pub image_factor: ImageFactor,
     /// The scene as described so far.
     pub scene: SceneDesc,
     /// The language version in force, e.g. 3.7.
@@ -141,6 +155,7 @@ impl<'a> Interp<'a> {
     ) -> Interp<'a> {
         Interp {
             colors_end_at_transmit: false,
+            image_factor: ImageFactor::No,
             files,
             options,
             sources,

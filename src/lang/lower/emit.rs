@@ -2,15 +2,12 @@
 //! is an error here, and only here.
 
 use super::emit_material::Materials;
-use crate::diag::{Diagnostic, Span};
-use crate::lang::ModelRequest;
-use crate::lang::desc::{ImageDesc, Look, ModelDesc, ObjectDesc, Pigment, ShapeDesc};
+use super::emit_model::Models;
+use crate::diag::Diagnostic;
+use crate::lang::desc::{Look, ObjectDesc, ShapeDesc};
 use crate::lang::eval::Interp;
-use crate::scene::{
-    ColorInput, Encoding, GroupId, Image, ImageId, ImageSource, ImageTexture, LeftOut, Light, MeshId, Object, Place,
-    Scene, Shape, TexelFilter, Texture, TextureId, Wrap,
-};
-use glam::{DAffine2, DAffine3, DVec3};
+use crate::scene::{GroupId, ImageSource, LeftOut, MeshId, Object, Place, Scene, Shape};
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -23,7 +20,7 @@ const MAX_PLACED: u64 = 1 << 32;
 pub struct Emitted {
     pub(super) groups: HashMap<*const (), (GroupId, bool)>,
     meshes: HashMap<*const (), Option<MeshId>>,
-    models: HashMap<String, Option<(GroupId, Vec<Light>)>>,
+    pub(super) models: Models,
     pub(super) materials: Materials,
 }
 
@@ -60,9 +57,10 @@ impl Interp<'_> {
         if let Some(camera) = self.scene.camera.clone().or(self.scene.default_camera.clone())
             && let Ok(camera) = self.final_camera(&camera)
         {
-            out.cameras.push(camera);
-            out.active_camera = Some(0);
+            out.cameras.insert(0, camera);
         }
+        // The scene's own camera, else the first one of its models.
+        out.active_camera = (!out.cameras.is_empty()).then_some(0);
         self.emit_environment(&mut out);
         let media = std::mem::take(&mut self.scene.media);
         out.atmosphere = self.medium_of(&media);
@@ -217,7 +215,7 @@ impl Interp<'_> {
             }
             return Some(id);
         }
-        let lamps = out.lights.len();
+        let before = (out.lights.len(), out.cameras.len());
         let mut objects = Vec::with_capacity(children.len());
         for child in children.iter() {
             if let Some(o) = self.emit_object(child, to_world, out, done) {
@@ -225,122 +223,9 @@ impl Interp<'_> {
             }
         }
         let id = out.add_group(objects);
-        done.groups.insert(key, (id, out.lights.len() > lamps));
+        done.groups
+            .insert(key, (id, (out.lights.len(), out.cameras.len()) != before));
         Some(id)
-    }
-
-    /// A model, loaded once; its lamps are placed.
-    pub(super) fn emit_model(
-        &mut self,
-        m: &ModelDesc,
-        to_world: DAffine3,
-        out: &mut Scene,
-        done: &mut Emitted,
-    ) -> Option<GroupId> {
-        let key = format!("{:?} {} {:?} {:?}", m.kind, m.path.display(), m.scene, m.variant);
-        self.named_files.retain(|(_, path, _)| *path != m.path);
-        if let Some(i) = self.missing_models.iter().position(|(path, _)| *path == m.path) {
-            let missing = self.missing_models[i].1.clone();
-            self.missing_models.retain(|(path, _)| *path != m.path);
-            self.report(missing);
-            done.models.insert(key.clone(), None);
-        }
-        if !done.models.contains_key(&key) {
-            let request = ModelRequest {
-                kind: m.kind,
-                path: m.path.clone(),
-                scene: m.scene.clone(),
-                variant: m.variant.clone(),
-                span: m.span,
-            };
-            let errors = self.diags.count(crate::diag::Severity::Error);
-            let loaded = (self.options.models)(&request, self.diags).map(|model| {
-                let lamps = out.lights.len();
-                let group = out.absorb(model, DAffine3::IDENTITY);
-                (group, out.lights.split_off(lamps))
-            });
-            if loaded.is_none() && self.diags.count(crate::diag::Severity::Error) == errors {
-                let message = format!("cannot load {}", m.path.display());
-                self.error("P0503", m.span, message);
-            }
-            done.models.insert(key.clone(), loaded);
-        }
-        let (group, lamps) = done.models.get(&key)?.as_ref()?;
-        out.lights.extend(lamps.iter().map(|l| l.clone().transformed(to_world)));
-        Some(*group)
-    }
-
-    /// Tells, once a kind, that a pattern is drawn as its average colour.
-    pub fn warn_pattern(&mut self, word: &'static str, at: Span) {
-        self.warn_once(
-            "P0412",
-            at,
-            format!("`{word}` is not supported yet and is drawn in its average colour"),
-        );
-    }
-
-    /// The colour of a pigment: its image where that goes by the surface's coordinates, else a linear rgb.
-    pub fn pigment_input(&mut self, p: &Pigment, out: &mut Scene) -> ColorInput {
-        let (Some(image), true) = (&p.image, p.uv) else {
-            return self.pigment_color(p).into();
-        };
-        let encoding = if self.display_is_linear() {
-            Encoding::Linear
-        } else {
-            Encoding::Srgb
-        };
-        ColorInput {
-            factor: DVec3::ONE,
-            texture: self.image_texture(image, encoding, out),
-        }
-    }
-
-    /// The texture of an image; a missing file is an error.
-    pub(super) fn image_texture(
-        &mut self,
-        image: &ImageDesc,
-        encoding: Encoding,
-        out: &mut Scene,
-    ) -> Option<TextureId> {
-        let Some(path) = &image.path else {
-            self.error("P0501", image.span, format!("cannot find \"{}\"", image.name));
-            return None;
-        };
-        let source = ImageSource::File(path.clone());
-        let known = out.images.iter().position(|i| i.source == source);
-        let id = match known {
-            Some(i) => ImageId(i as u32),
-            None => out.add_image(Image {
-                name: image.name.clone(),
-                source,
-                place: Place::Text(image.span),
-            }),
-        };
-        let wrap = if image.once { Wrap::Clamp } else { Wrap::Repeat };
-        let texture = Texture::Image(ImageTexture {
-            image: id,
-            uv_set: 0,
-            uv_transform: DAffine2::IDENTITY,
-            wrap_u: wrap,
-            wrap_v: wrap,
-            filter: if image.smooth {
-                TexelFilter::Bilinear
-            } else {
-                TexelFilter::Nearest
-            },
-            encoding,
-        });
-        let known = out.textures.iter().position(|t| *t == texture);
-        Some(known.map_or_else(|| out.add_texture(texture), |i| TextureId(i as u32)))
-    }
-
-    /// The linear rgb of a pigment, patterns being told.
-    pub fn pigment_color(&mut self, p: &Pigment) -> DVec3 {
-        if let Some((word, at)) = p.pattern {
-            self.warn_pattern(word, at);
-        }
-        let [r, g, b, ..] = p.color;
-        self.linear(DVec3::new(r, g, b))
     }
 }
 

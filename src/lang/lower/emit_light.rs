@@ -11,7 +11,7 @@ use glam::{DAffine3, DVec3};
 use std::rc::Rc;
 
 /// Lamps of one scene, those of unions counted as often as they are placed.
-const MAX_LIGHTS: usize = 1_000_000;
+pub(super) const MAX_LIGHTS: usize = 1_000_000;
 
 impl Interp<'_> {
     /// The lamps of a group that is placed again.

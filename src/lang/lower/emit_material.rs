@@ -1,10 +1,10 @@
 //! Looks to materials of the IR: POV-Ray's layers and the language's own surfaces. Equal looks give one material.
 
 use crate::diag::{Diagnostic, Span};
-use crate::lang::desc::{FinishDesc, InteriorDesc, Layer, Look, ModelSurface, NormalDesc, SurfaceDesc};
+use crate::lang::desc::{FinishDesc, InteriorDesc, Layer, Look, NormalDesc};
 use crate::lang::eval::Interp;
-use crate::scene::{BumpMap, Encoding, Finish, Material, MaterialId, Medium, Place, Scene, SurfaceModel};
-use glam::DVec3;
+use crate::scene::{BumpMap, Encoding, Finish, Material, MaterialId, Place, Scene, SurfaceModel};
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -164,11 +164,11 @@ impl Interp<'_> {
     }
 
     /// A height map on the surface's own coordinates; what else a normal may say is told and left out.
-    fn relief(&mut self, n: &NormalDesc, out: &mut Scene) -> Option<BumpMap> {
+    pub(super) fn relief(&mut self, n: &NormalDesc, out: &mut Scene) -> Option<BumpMap> {
         let what = match (&n.bump, n.uv) {
             (Some(image), true) => {
                 return self
-                    .image_texture(image, Encoding::Linear, out)
+                    .image_texture(image, &DAffine3::IDENTITY, Encoding::Linear, out)
                     .map(|texture| BumpMap { texture, scale: n.size });
             }
             (Some(_), false) => "`bump_map` without `uv_mapping`",
@@ -228,92 +228,6 @@ impl Interp<'_> {
             DVec3::from_array(color.to_array().map(|c| -(0.5 + 0.5 * c).ln())) / distance
         };
         sigma
-    }
-
-    fn surface_material(&mut self, s: &SurfaceDesc, out: &mut Scene, done: &mut Materials) -> Option<Material> {
-        let mut inside = Medium::default();
-        let model = match &s.model {
-            ModelSurface::Diffuse { color, sigma } => SurfaceModel::Diffuse {
-                color: self.pigment_input(color, out),
-                sigma: (*sigma).into(),
-            },
-            ModelSurface::Specular { color } => SurfaceModel::Specular {
-                color: self.pigment_input(color, out),
-            },
-            ModelSurface::Glass {
-                color,
-                ior,
-                roughness,
-                abbe,
-                inside: own,
-            } => {
-                inside = *own;
-                SurfaceModel::Glass {
-                    color: self.pigment_input(color, out),
-                    ior: *ior,
-                    roughness: (*roughness).into(),
-                    abbe: *abbe,
-                }
-            }
-            ModelSurface::Glossy {
-                color,
-                roughness,
-                ior,
-                metal,
-            } => SurfaceModel::Glossy {
-                color: self.pigment_input(color, out),
-                roughness: (*roughness).into(),
-                ior: *ior,
-                metal: *metal,
-            },
-            ModelSurface::Translucent { color, transmit } => SurfaceModel::Translucent {
-                color: self.pigment_input(color, out),
-                transmit: (*transmit).into(),
-            },
-            ModelSurface::Principled(p) => {
-                inside = p.inside;
-                let mut numbers = p.numbers.clone();
-                numbers.base_color = self.pigment_input(&p.base_color, out);
-                numbers.specular_color = self.pigment_input(&p.specular_color, out);
-                numbers.sheen_color = self.pigment_input(&p.sheen_color, out);
-                numbers.diffuse_transmission_color = self.pigment_input(&p.diffuse_transmission_color, out);
-                SurfaceModel::Principled(Box::new(numbers))
-            }
-            ModelSurface::Mix { a, b, weight } => {
-                let a = self.emit_look(a, out, done)?;
-                let b = self.emit_look(b, out, done)?;
-                SurfaceModel::Mix {
-                    a,
-                    b,
-                    weight: (*weight).into(),
-                }
-            }
-            ModelSurface::Black => SurfaceModel::Black,
-        };
-        let mut material = Material::new(model);
-        if let SurfaceModel::Mix { a, b, weight } = &material.surface {
-            // A mix emits what its parts emit, in the same shares.
-            let of = |id: &MaterialId| out.materials.get(id.index()).map_or(DVec3::ZERO, |m| m.emission.factor);
-            let w = weight.factor;
-            material.emission = (of(a) * (1.0 - w) + of(b) * w).into();
-            let relief = |id: &MaterialId| out.materials.get(id.index()).and_then(|m| m.bump_map);
-            material.bump_map = relief(a).or(relief(b));
-        }
-        if let Some(emission) = &s.emission {
-            let input = self.pigment_input(emission, out);
-            let radiance = input.factor;
-            material.emission.texture = input.texture;
-            if radiance.min_element() < 0.0 {
-                self.error("P0311", s.span, "emission must not be negative");
-            }
-            material.emission = (material.emission.factor + radiance).into();
-        }
-        if let Some(normal) = &s.normal {
-            material.bump_map = self.relief(normal, out);
-        }
-        material.interior = inside;
-        material.place = Place::Text(s.span);
-        Some(material)
     }
 }
 

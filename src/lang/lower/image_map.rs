@@ -3,6 +3,7 @@
 use crate::lang::desc::ImageDesc;
 use crate::lang::eval::{Interp, Parsed, T};
 use crate::lang::syntax::Word;
+use glam::DAffine3;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -12,11 +13,11 @@ impl Interp<'_> {
         self.bump();
         let mut image = None;
         if self.peek().t != T::Mark(b'{') {
-            self.image_items(&mut image)?; // `image_map png "file"`, the old form
+            self.image_items(&mut image, false)?; // `image_map png "file"`, the old form
             return Ok(image.map(Rc::new));
         }
         self.block(|s| {
-            s.image_items(&mut image)?;
+            s.image_items(&mut image, false)?;
             let depth = s.depth();
             // What is left (gamma, an image function's numbers) does not change what is shown.
             while !(s.peek().t == T::Mark(b'}') && s.depth() == depth) && s.peek().t != T::End {
@@ -33,7 +34,7 @@ impl Interp<'_> {
             let depth = s.depth();
             let mut image = None;
             loop {
-                s.image_items(&mut image)?;
+                s.image_items(&mut image, false)?;
                 match s.peek().t {
                     T::End => return Ok(image.map(Rc::new)),
                     T::Mark(b'}') if s.depth() == depth => return Ok(image.map(Rc::new)),
@@ -49,8 +50,9 @@ impl Interp<'_> {
         })
     }
 
-    /// The file and what is known to change it; stops at the first word that is not.
-    fn image_items(&mut self, image: &mut Option<ImageDesc>) -> Parsed<()> {
+    /// The file and what is known to change it; stops at the first word that is not. `smooth`: texels are interpolated
+    /// where nothing is said.
+    pub(super) fn image_items(&mut self, image: &mut Option<ImageDesc>, smooth: bool) -> Parsed<()> {
         loop {
             let tok = self.peek();
             match tok.t {
@@ -62,7 +64,9 @@ impl Interp<'_> {
                         name,
                         path,
                         once: false,
-                        smooth: false,
+                        smooth,
+                        channel: None,
+                        transform: DAffine3::IDENTITY,
                         span: tok.span,
                     });
                 }

@@ -1,9 +1,11 @@
 //! `material { … }`: the language's own materials, or POV-Ray's texture and interior.
 
+use super::surface::{BESIDE, UNIT};
 use crate::diag::{Diagnostic, Span};
-use crate::lang::desc::{Desc, Look, ModelSurface, Pigment, SurfaceDesc};
+use crate::lang::desc::{BesideDesc, Desc, Look, ModelSurface, SurfaceDesc};
 use crate::lang::eval::{Interp, MAX_DEPTH, Parsed, Stop, T, Value};
 use crate::lang::syntax::Word;
+use crate::scene::Channel;
 use std::rc::Rc;
 
 const MATERIAL_TEXTS: &[&str] = &[
@@ -16,6 +18,9 @@ const MATERIAL_TEXTS: &[&str] = &[
     "mix",
     "emission",
     "normal",
+    "normal_map",
+    "opacity",
+    "alpha_mode",
     "texture",
     "interior",
 ];
@@ -24,14 +29,18 @@ impl Interp<'_> {
     /// A material, beginning with its word.
     pub fn material(&mut self) -> Parsed<Look> {
         self.bump();
+        self.material_body()
+    }
+
+    /// The block of a material, behind its word.
+    pub fn material_body(&mut self) -> Parsed<Look> {
         self.block(|s| s.material_items())
     }
 
     fn material_items(&mut self) -> Parsed<Look> {
         let mut look = Look::default();
         let mut model: Option<(ModelSurface, Span)> = None;
-        let mut emission: Option<(Rc<Pigment>, Span)> = None;
-        let mut normal = None;
+        let mut beside = BesideDesc::default();
         loop {
             let tok = self.peek_item();
             match tok.t {
@@ -52,11 +61,8 @@ impl Interp<'_> {
                     self.bump();
                     self.skip_block()?;
                 }
-                T::Word(Word::Normal) => normal = Some(self.normal()?),
-                T::Word(Word::Emission) => {
-                    self.bump();
-                    emission = Some((self.color_source()?, tok.span));
-                }
+                T::Word(Word::Normal) => beside.normal = Some(self.normal()?),
+                T::Word(w) if BESIDE.contains(&w) => self.beside(w, &mut beside)?,
                 T::Name(n) if self.scopes.get(n).is_some() => match self.take_value()? {
                     Value::Desc(Desc::Material(named)) => look = named,
                     Value::Desc(Desc::Texture(layers)) => look.layers = Some(layers),
@@ -72,7 +78,7 @@ impl Interp<'_> {
                         let _ = t; // plain colours do not move
                         continue;
                     }
-                    let Some(found) = self.surface_model(w)? else {
+                    let Some((found, inner)) = self.surface_model(w)? else {
                         return Err(self.unexpected("`material`", MATERIAL_TEXTS, tok));
                     };
                     if let Some((_, first)) = model {
@@ -80,66 +86,59 @@ impl Interp<'_> {
                         let d = d.with_context(first, "the first one");
                         return Err(self.report(d.hint("blend them with `mix { A, B, weight }`")));
                     }
+                    beside.take_over(inner);
                     model = Some((found, tok.span));
                 }
                 _ => return Err(self.unexpected("`material`", MATERIAL_TEXTS, tok)),
             }
         }
-        let mut look = self.assemble(look, model, emission)?;
-        let Some(normal) = normal else { return Ok(look) };
-        if let Some(surface) = &mut look.surface {
-            Rc::make_mut(surface).normal = Some(normal);
-            return Ok(look);
-        }
-        let d = Diagnostic::error("P0312", "`normal` in `material` needs a surface beside it").at(normal.span, "");
-        Err(self.report(d.hint("write it inside the `texture { … }`")))
+        self.assemble(look, model, beside)
     }
 
-    fn assemble(
-        &mut self,
-        mut look: Look,
-        model: Option<(ModelSurface, Span)>,
-        emission: Option<(Rc<Pigment>, Span)>,
-    ) -> Parsed<Look> {
-        match (model, emission) {
-            (Some((model, span)), emission) => {
-                look.layers = None;
-                let depth = match &model {
-                    ModelSurface::Mix { a, b, .. } => 1 + mix_depth(a).max(mix_depth(b)),
-                    _ => 0,
-                };
-                if depth > MAX_DEPTH {
-                    let message = format!("mixes are nested deeper than {MAX_DEPTH} levels");
-                    return Err(self.fatal("P0601", span, message));
-                }
-                look.surface = Some(Rc::new(SurfaceDesc {
-                    depth,
-                    model,
-                    emission: emission.map(|e| e.0),
-                    normal: None,
-                    span,
-                }));
+    fn assemble(&mut self, mut look: Look, model: Option<(ModelSurface, Span)>, beside: BesideDesc) -> Parsed<Look> {
+        if let Some((model, span)) = model {
+            look.layers = None;
+            let depth = match &model {
+                ModelSurface::Mix { a, b, .. } => 1 + mix_depth(a).max(mix_depth(b)),
+                _ => 0,
+            };
+            if depth > MAX_DEPTH {
+                let message = format!("mixes are nested deeper than {MAX_DEPTH} levels");
+                return Err(self.fatal("P0601", span, message));
             }
-            (None, Some((color, span))) => {
-                if let Some(surface) = &look.surface {
-                    let mut surface = (**surface).clone();
-                    surface.emission = Some(color);
-                    look.surface = Some(Rc::new(surface));
-                } else if look.layers.is_some() {
-                    let d = Diagnostic::error("P0312", "`emission` cannot stand beside `texture`").at(span, "");
-                    return Err(self.report(d.hint("write it inside the texture's `finish { … }`")));
-                } else {
-                    look.surface = Some(Rc::new(SurfaceDesc {
-                        depth: 0,
-                        model: ModelSurface::Black,
-                        emission: Some(color),
-                        normal: None,
-                        span,
-                    }));
-                }
-            }
-            (None, None) => {}
+            look.surface = Some(Rc::new(SurfaceDesc {
+                depth,
+                model,
+                beside,
+                span,
+            }));
+            return Ok(look);
         }
+        if let Some(surface) = &mut look.surface {
+            Rc::make_mut(surface).beside.take_over(beside);
+            return Ok(look);
+        }
+        if let Some((word, at)) = beside.about_surface() {
+            let message = format!("`{word}` in `material` needs a surface beside it");
+            let d = Diagnostic::error("P0312", message).at(at, "");
+            return Err(self.report(match word {
+                "normal" => d.hint("write it inside the `texture { … }`"),
+                _ => d.hint("write one of the language's own beside it, such as `principled { … }`"),
+            }));
+        }
+        let Some((_, span)) = beside.emission else {
+            return Ok(look);
+        };
+        if look.layers.is_some() {
+            let d = Diagnostic::error("P0312", "`emission` cannot stand beside `texture`").at(span, "");
+            return Err(self.report(d.hint("write it inside the texture's `finish { … }`")));
+        }
+        look.surface = Some(Rc::new(SurfaceDesc {
+            depth: 0,
+            model: ModelSurface::Black,
+            beside,
+            span,
+        }));
         Ok(look)
     }
 
@@ -149,7 +148,7 @@ impl Interp<'_> {
         self.comma();
         let b = self.mixed_material()?;
         self.comma();
-        let weight = self.within("weight of the mix", 0.0, 1.0)?;
+        let weight = self.number_source("weight of the mix", UNIT, Channel::R)?;
         Ok(ModelSurface::Mix { a, b, weight })
     }
 
@@ -171,7 +170,7 @@ impl Interp<'_> {
                 )),
             },
             T::Word(w) => match self.nested(tok.span, |s| s.surface_model(w))? {
-                Some(model) => self.assemble(Look::default(), Some((model, tok.span)), None),
+                Some((model, beside)) => self.assemble(Look::default(), Some((model, tok.span)), beside),
                 None => Err(self.expected_not("a material", tok)),
             },
             _ => Err(self.expected_not("a material", tok)),

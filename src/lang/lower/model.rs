@@ -1,12 +1,23 @@
 //! `gltf { "file" … }` and `obj { "file" … }`.
 
+use super::modifier::apply_look;
 use crate::diag::Span;
 use crate::lang::ModelKind;
 use crate::lang::desc::{ModelDesc, ObjectDesc, ShapeDesc};
-use crate::lang::eval::{Interp, Parsed, T};
+use crate::lang::eval::{Interp, Parsed, T, Tok};
 use crate::lang::syntax::Word;
 use std::path::PathBuf;
 use std::rc::Rc;
+
+/// What a glTF file may be asked for, beside what any object may.
+const GLTF_WORDS: &[Word] = &[
+    Word::Scene,
+    Word::Node,
+    Word::Variant,
+    Word::Lights,
+    Word::Cameras,
+    Word::Clock,
+];
 
 impl Interp<'_> {
     /// A model behind its opening brace. Its file is read when it is drawn, and need not exist before.
@@ -23,30 +34,62 @@ impl Interp<'_> {
             }
         };
         self.name_file("model", &path, at);
-        self.comma();
-        let (mut scene, mut variant) = (None, None);
-        loop {
-            let slot = match self.peek().t {
-                T::Word(Word::Scene) => &mut scene,
-                T::Word(Word::Variant) => &mut variant,
-                _ => break,
-            };
-            self.bump();
-            *slot = Some(self.text("name in the model")?.to_string());
-            self.comma();
-        }
-        let kind = if w == Word::Gltf {
-            ModelKind::Gltf
-        } else {
-            ModelKind::Obj
+        let (kind, words) = match w {
+            Word::Gltf => (ModelKind::Gltf, GLTF_WORDS),
+            _ => (ModelKind::Obj, &[][..]),
         };
-        let model = ModelDesc {
+        let mut model = ModelDesc {
             kind,
             path,
-            scene,
-            variant,
+            options: crate::lang::ModelOptions::default(),
+            lights: true,
+            cameras: true,
+            materials: Vec::new(),
             span: at,
         };
-        self.finished(ObjectDesc::new(ShapeDesc::Model(Rc::new(model)), span), w.text())
+        // The model itself stands in the object when all is read.
+        let empty = ObjectDesc::new(ShapeDesc::Unsupported(w.text()), span);
+        let mut object = self.finished_with(empty, w.text(), words, &mut |s, object, tok| {
+            s.model_item(&mut model, object, tok, words)
+        })?;
+        object.shape = ShapeDesc::Model(Rc::new(model));
+        Ok(object)
+    }
+
+    /// One of the things that only models have; false if the token begins none.
+    fn model_item(&mut self, model: &mut ModelDesc, object: &mut ObjectDesc, tok: Tok, words: &[Word]) -> Parsed<bool> {
+        let T::Word(w) = tok.t else { return Ok(false) };
+        if w == Word::Material {
+            self.bump();
+            let at = self.peek().span;
+            if !self.starts_text() {
+                let look = self.material_body()?;
+                apply_look(&mut object.look, look);
+                return Ok(true);
+            }
+            let name = self.text("name of the material")?.to_string();
+            let look = self.material_body()?;
+            model.materials.retain(|(known, ..)| *known != name); // the last one counts
+            model.materials.push((name, at, look));
+            return Ok(true);
+        }
+        if !words.contains(&w) {
+            return Ok(false);
+        }
+        self.bump();
+        let options = &mut model.options;
+        match w {
+            Word::Scene => options.scene = Some(self.text("name of the scene")?.to_string()),
+            Word::Variant => options.variant = Some(self.text("name of the variant")?.to_string()),
+            Word::Node => {
+                options.node = Some(self.text("name of the node")?.to_string());
+                options.node_is_origin = self.eat_word_text("local");
+            }
+            Word::Clock => options.clock = Some(self.finite("clock of the model")?),
+            Word::Lights => model.lights = self.flag()?,
+            Word::Cameras => model.cameras = self.flag()?,
+            _ => return Ok(false),
+        }
+        Ok(true)
     }
 }

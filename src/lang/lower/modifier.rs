@@ -203,7 +203,7 @@ fn hollow_parts(object: &mut ObjectDesc) {
 }
 
 /// A material replaces what it says something about.
-fn apply_look(look: &mut Look, new: Look) {
+pub(super) fn apply_look(look: &mut Look, new: Look) {
     if !new.is_bare() {
         look.layers = new.layers;
         look.surface = new.surface;

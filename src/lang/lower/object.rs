@@ -2,7 +2,7 @@
 
 use super::words;
 use crate::lang::desc::{ObjectDesc, ShapeDesc};
-use crate::lang::eval::{Interp, Parsed, Stop, T};
+use crate::lang::eval::{Interp, Parsed, Stop, T, Tok};
 use crate::lang::syntax::Word;
 use std::rc::Rc;
 
@@ -32,7 +32,19 @@ impl Interp<'_> {
 
     /// Reads the modifiers up to the closing brace. After an error in one it goes on with the next; the object is then
     /// dropped.
-    pub fn finished(&mut self, mut object: ObjectDesc, place: &str) -> Parsed<ObjectDesc> {
+    pub fn finished(&mut self, object: ObjectDesc, place: &str) -> Parsed<ObjectDesc> {
+        self.finished_with(object, place, &[], &mut |_, _, _| Ok(false))
+    }
+
+    /// The same for an object that is told more: `own` reads what follows `extra` and the like, and is asked first.
+    pub fn finished_with(
+        &mut self,
+        mut object: ObjectDesc,
+        place: &str,
+        extra: &[Word],
+        own: &mut dyn FnMut(&mut Self, &mut ObjectDesc, Tok) -> Parsed<bool>,
+    ) -> Parsed<ObjectDesc> {
+        let valid = [extra, words::MODIFIERS].concat();
         let depth = self.depth();
         let mut failed = false;
         loop {
@@ -46,19 +58,23 @@ impl Interp<'_> {
                 _ => {}
             }
             let before = self.steps();
-            if !matches!(tok.t, T::Word(w) if words::MODIFIERS.contains(&w))
+            if !matches!(tok.t, T::Word(w) if valid.contains(&w))
                 && let Some(stop) = self.missing_brace(tok, words::ITEMS)
             {
                 return Err(stop);
             }
-            let done = match self.modifier(&mut object, tok) {
+            let read = match own(self, &mut object, tok) {
+                Ok(false) => self.modifier(&mut object, tok),
+                read => read,
+            };
+            let done = match read {
                 Ok(true) => Ok(()),
-                Ok(false) => Err(self.unexpected(&format!("`{place}`"), &words::texts(words::MODIFIERS), tok)),
+                Ok(false) => Err(self.unexpected(&format!("`{place}`"), &words::texts(&valid), tok)),
                 Err(stop) => Err(stop),
             };
             if done.is_err() {
                 failed = true;
-                self.recover(depth, before, words::MODIFIERS);
+                self.recover(depth, before, &valid);
             }
         }
         if failed { Err(Stop) } else { Ok(object) }

@@ -5,6 +5,7 @@ use super::transform::TRANSFORM_TEXTS;
 use crate::lang::desc::{Desc, Pigment};
 use crate::lang::eval::{Interp, Parsed, Stop, T, Value};
 use crate::lang::syntax::Word;
+use glam::{DAffine3, DVec3};
 use std::rc::Rc;
 
 /// Words of a pigment, for suggestions.
@@ -42,7 +43,7 @@ impl Interp<'_> {
     /// A pigment, beginning with its word, that changes another one.
     pub fn pigment_over(&mut self, base: Rc<Pigment>) -> Parsed<Rc<Pigment>> {
         if self.peek().t == T::Word(Word::ImageMap) {
-            return self.pigment_items(b'}', base); // `#declare P = image_map …` has no braces of its own
+            return self.pigment_items(b';', base); // `#declare P = image_map …` has no braces of its own
         }
         self.bump();
         self.block(|s| s.pigment_items(b'}', base))
@@ -56,6 +57,7 @@ impl Interp<'_> {
         let mut map: Option<Rc<Pigment>> = None;
         let mut image = None;
         let mut uv = false;
+        let mut moved = DAffine3::IDENTITY;
         loop {
             let tok = self.peek_item();
             match tok.t {
@@ -85,7 +87,9 @@ impl Interp<'_> {
                     self.pattern(w)?;
                 }
                 T::Word(w) => {
-                    if self.transform_word(w)?.is_none() && !self.pattern_modifier(w)? {
+                    if let Some(t) = self.transform_word(w)? {
+                        moved = t * moved;
+                    } else if !self.pattern_modifier(w)? {
                         let stop = self.unexpected("`pigment`", &[PIGMENT_TEXTS, TRANSFORM_TEXTS].concat(), tok);
                         return Err(stop);
                     }
@@ -114,6 +118,11 @@ impl Interp<'_> {
                 _ => [0.5, 0.5, 0.5, 0.0, 0.0],
             },
             (None, []) => {
+                if base.image.is_some() && (uv || moved != DAffine3::IDENTITY) {
+                    let base = Rc::make_mut(&mut base);
+                    base.uv |= uv;
+                    base.transform = moved * base.transform;
+                }
                 return Ok(base);
             }
             (None, [.., last]) if pattern.is_none() => *last,
@@ -125,6 +134,8 @@ impl Interp<'_> {
             pattern,
             image,
             uv,
+            transform: moved,
+            tint: DVec3::ONE,
         }))
     }
 
@@ -176,10 +187,8 @@ impl Interp<'_> {
         };
         let varies = entries.iter().any(|e| Some(&e.1) != entries.first().map(|f| &f.1));
         Ok(Rc::new(Pigment {
-            color,
             pattern: varies.then_some((name, tok.span)),
-            image: None,
-            uv: false,
+            ..Pigment::plain(color)
         }))
     }
 

@@ -125,13 +125,16 @@ words! {
     Vstr "vstr" Vturbulence "vturbulence" Warp "warp" WaterLevel "water_level" Waves "waves" Width "width"
     Wood "wood" Wrinkles "wrinkles" X "x" Y "y" Yes "yes" Z "z";
     contextual:
-    Abbe "abbe" Anisotropy "anisotropy" AnisotropyRotation "anisotropy_rotation" Backdrop "backdrop"
-    BaseColor "base_color" BlackmanHarris "blackman_harris" Clearcoat "clearcoat"
-    ClearcoatRoughness "clearcoat_roughness" Depth "depth" DiffuseTransmission "diffuse_transmission"
+    Abbe "abbe" AlphaMode "alpha_mode" Anisotropy "anisotropy" AnisotropyDirection "anisotropy_direction"
+    AnisotropyRotation "anisotropy_rotation"
+    AttenuationColor "attenuation_color" AttenuationDistance "attenuation_distance" Backdrop "backdrop"
+    BaseColor "base_color" BlackmanHarris "blackman_harris" Cameras "cameras" Channel "channel" Clearcoat "clearcoat"
+    ClearcoatNormal "clearcoat_normal" ClearcoatRoughness "clearcoat_roughness" Depth "depth" DiffuseTransmission "diffuse_transmission"
     DiffuseTransmissionColor "diffuse_transmission_color" Environment "environment" Error "error"
     FocusDistance "focus_distance" Gaussian "gaussian" Glass "glass" Glossy "glossy" Gltf "gltf" Image "image"
-    LensRadius "lens_radius" MaxDepth "max_depth" Metal "metal" Mix "mix" Name "name" Obj "obj"
-    Principled "principled" Render "render" Resolution "resolution" Scene "scene" SheenColor "sheen_color"
+    Iridescence "iridescence" IridescenceIor "iridescence_ior" IridescenceThickness "iridescence_thickness"
+    LensRadius "lens_radius" Lights "lights" MaxDepth "max_depth" Metal "metal" Mix "mix" Name "name" Node "node" Obj "obj"
+    Opacity "opacity" Principled "principled" Render "render" Resolution "resolution" Scene "scene" SheenColor "sheen_color"
     SheenRoughness "sheen_roughness" Shutter "shutter" Sigma "sigma" SpecularColor "specular_color" Spp "spp" Thick "thick"
     Time "time" Translucent "translucent" Transmission "transmission" Variant "variant" Weight "weight"
     NoRadiosity "no_radiosity" Pavement "pavement" Square "square" Tiling "tiling" Triangular "triangular";

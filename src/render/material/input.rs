@@ -40,28 +40,42 @@ impl ColorInput {
     }
 }
 
-/// `factor · texture.channel`, channel 0..4 for R, G, B, A.
+/// `offset + factor · texture.channel`, channel 0..4 for R, G, B, A; without a texture `offset + factor`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScalarInput {
-    /// Constant factor.
+    /// Factor of the texture.
     pub factor: f32,
     /// Index of a texture, and the channel taken from it.
     pub texture: Option<(u32, u8)>,
+    /// Added to the product.
+    pub offset: f32,
 }
 
 impl ScalarInput {
     /// The same number everywhere.
     pub const fn constant(factor: f32) -> ScalarInput {
-        ScalarInput { factor, texture: None }
+        ScalarInput {
+            factor,
+            texture: None,
+            offset: 0.0,
+        }
+    }
+
+    /// Whether it is 0 or less everywhere, texels being 0 or more.
+    pub fn is_nothing(&self) -> bool {
+        match self.texture {
+            None => self.offset + self.factor <= 0.0,
+            Some(_) => self.offset.max(self.offset + self.factor) <= 0.0,
+        }
     }
 
     /// The number at a point.
     pub fn eval(&self, textures: &Textures, attrs: &Attributes) -> f32 {
         match self.texture {
-            None => self.factor,
+            None => self.offset + self.factor,
             Some((id, channel)) => {
                 let v: Vec4 = textures.eval(id, attrs);
-                self.factor * v.to_array().get(usize::from(channel)).copied().unwrap_or(1.0)
+                self.offset + self.factor * v.to_array().get(usize::from(channel)).copied().unwrap_or(1.0)
             }
         }
     }

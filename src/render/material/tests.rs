@@ -252,8 +252,8 @@ fn emission_and_coverage_follow_their_modes() {
     assert_eq!(m.emission(&world.shading(), true), Vec3::ONE);
     assert_eq!(m.emission(&world.shading(), false), Vec3::ZERO);
     let value = ScalarInput {
-        factor: 1.0,
         texture: Some((0, 3)),
+        ..ScalarInput::constant(1.0)
     };
     for (alpha, want) in [
         (Alpha::Opaque, 1.0),

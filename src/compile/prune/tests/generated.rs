@@ -81,6 +81,7 @@ fn scalar(scene: &Scene, rng: &mut Pcg) -> ScalarInput {
     ScalarInput {
         factor: one_of(rng, &[0.0, 1.0, 0.4]),
         texture: chance(rng, 2).then(|| (texture(scene, rng), one_of(rng, &channels))),
+        offset: one_of(rng, &[0.0, 0.0, 0.5]),
     }
 }
 
@@ -127,9 +128,16 @@ fn surface(scene: &mut Scene, rng: &mut Pcg, depth: u32) -> SurfaceModel {
             sheen_roughness: scalar(scene, rng),
             anisotropy: scalar(scene, rng),
             anisotropy_rotation: 0.5,
+            anisotropy_direction: chance(rng, 4).then(|| texture(scene, rng)),
             diffuse_transmission: scalar(scene, rng),
             diffuse_transmission_color: self::color(scene, rng),
             dispersion: one_of(rng, &[0.0, 0.3]),
+            iridescence: scalar(scene, rng),
+            iridescence_ior: one_of(rng, &[1.0, 1.3]),
+            iridescence_thickness: ScalarInput {
+                factor: one_of(rng, &[0.0, 300.0]),
+                ..scalar(scene, rng)
+            },
         })),
         6 => SurfaceModel::Finish(Box::new(Finish {
             color,

@@ -297,10 +297,7 @@ fn images_that_nothing_shows_are_not_opened() {
             image_texture(s, image)
         });
         let mut look = Material::new(SurfaceModel::Principled(Box::new(Principled {
-            sheen_roughness: ScalarInput {
-                factor: 1.0,
-                texture: Some((sheen, Channel::A)),
-            },
+            sheen_roughness: ScalarInput::scaled(1.0, Some((sheen, Channel::A))),
             ..Principled::default()
         })));
         look.emission = ColorInput {
