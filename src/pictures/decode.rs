@@ -2,7 +2,7 @@
 
 use super::decode_exr;
 use super::{Picture, Texels};
-use crate::diag::Diagnostic;
+use crate::diag::{Diagnostic, guarded};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::io::Cursor;
 
@@ -36,9 +36,8 @@ pub(super) const READABLE: &str = "PNG, JPEG, WebP, BMP, TGA, GIF, PNM, Radiance
 pub fn decode(bytes: &[u8], name: &str, limits: Limits) -> Result<Picture, Diagnostic> {
     // The decoders are other people's code fed with bytes we do not control: a panic in one of them is
     // reported like any other damage.
-    let attempt = std::panic::catch_unwind(|| decode_unguarded(bytes, name, limits));
-    attempt
-        .unwrap_or_else(|_| Err(damaged("image", "the decoder stopped on inconsistent data")))
+    guarded(|| decode_unguarded(bytes, name, limits))
+        .unwrap_or_else(|| Err(damaged("image", "the decoder stopped on inconsistent data")))
         .map_err(|d| d.in_place(name))
 }
 

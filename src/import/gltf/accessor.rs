@@ -46,6 +46,23 @@ pub(super) struct Wanted {
 pub(super) struct Cache {
     floats: HashMap<(usize, bool), Rc<Numbers>>,
     held: usize,
+    /// What the accessors of the primitive at hand hold, where its Draco data say so; never kept in `floats`.
+    pub supplied: HashMap<usize, Supplied>,
+}
+
+/// Packed elements that take the place of an accessor's own.
+#[derive(Clone)]
+pub(super) struct Supplied {
+    /// Type of one component.
+    pub kind: ComponentType,
+    /// Components of an element.
+    pub components: usize,
+    /// Whether integers stand for fractions.
+    pub normalized: bool,
+    /// Elements.
+    pub count: usize,
+    /// All of them, without gaps.
+    pub bytes: Blob,
 }
 
 /// The cache is emptied beyond this many numbers.
@@ -74,7 +91,8 @@ impl Loader<'_> {
     /// The numbers of accessor `index`, referred to at `at`, as f32; normalised integers become fractions.
     pub(super) fn floats(&mut self, index: usize, wanted: Wanted, at: &str) -> Option<Rc<Numbers>> {
         let key = (index, wanted.normalize);
-        if let Some(known) = self.accessors.floats.get(&key)
+        let supplied = self.accessors.supplied.contains_key(&index);
+        if let Some(known) = self.accessors.floats.get(&key).filter(|_| !supplied)
             && wanted.components.contains(&known.components)
         {
             return Some(known.clone());
@@ -87,8 +105,12 @@ impl Loader<'_> {
             components: source.components,
             values,
         });
+        if supplied {
+            return Some(numbers);
+        }
         if self.accessors.held + numbers.values.len() > CACHE_NUMBERS {
-            self.accessors = Cache::default();
+            self.accessors.floats.clear();
+            self.accessors.held = 0;
         }
         self.accessors.held += numbers.values.len();
         self.accessors.floats.insert(key, numbers.clone());
@@ -112,6 +134,10 @@ impl Loader<'_> {
 
     /// Checks accessor `index` against its views.
     fn accessor(&mut self, index: usize, components: &[usize], at: &str) -> Option<Source> {
+        if let Some(supplied) = self.accessors.supplied.get(&index).cloned() {
+            self.check_width(index, supplied.components, components, at)?;
+            return Some(Source::from(supplied));
+        }
         let accessor: json::Accessor = self.doc.get(index, at, &mut self.report)?;
         let here = format!("accessors[{index}]");
         let (Checked::Valid(kind), Checked::Valid(shape)) = (accessor.component_type, accessor.type_) else {
@@ -120,15 +146,7 @@ impl Loader<'_> {
             return None;
         };
         let (kind, width) = (kind.0, shape.multiplicity());
-        if !components.contains(&width) {
-            let expected: Vec<String> = components.iter().map(usize::to_string).collect();
-            let message = format!(
-                "refers to accessor {index} with {width} components an element, expected {}",
-                expected.join(" or ")
-            );
-            self.report.error("G0402", at, message);
-            return None;
-        }
+        self.check_width(index, width, components, at)?;
         let count = accessor.count.0;
         let base = match accessor.buffer_view {
             Some(view) => {
@@ -158,6 +176,20 @@ impl Loader<'_> {
             base,
             sparse,
         })
+    }
+
+    /// Refuses an accessor of `width` components where others are wanted.
+    fn check_width(&mut self, index: usize, width: usize, wanted: &[usize], at: &str) -> Option<()> {
+        if wanted.contains(&width) {
+            return Some(());
+        }
+        let expected: Vec<String> = wanted.iter().map(usize::to_string).collect();
+        let message = format!(
+            "refers to accessor {index} with {width} components an element, expected {}",
+            expected.join(" or ")
+        );
+        self.report.error("G0402", at, message);
+        None
     }
 
     /// Elements in a view: refuses them unless the last one lies inside.
@@ -240,6 +272,29 @@ impl Loader<'_> {
             return None;
         }
         Some((targets, values))
+    }
+}
+
+impl From<Supplied> for Source {
+    fn from(supplied: Supplied) -> Source {
+        let stride = supplied.components * supplied.kind.size();
+        Source {
+            count: supplied
+                .bytes
+                .len()
+                .checked_div(stride)
+                .unwrap_or(0)
+                .min(supplied.count),
+            components: supplied.components,
+            kind: supplied.kind,
+            normalized: supplied.normalized,
+            base: Some(Strided {
+                bytes: supplied.bytes,
+                offset: 0,
+                stride,
+            }),
+            sparse: None,
+        }
     }
 }
 

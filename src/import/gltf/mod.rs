@@ -3,7 +3,7 @@
 //! The `gltf` crate gives the schema: each element of the file is read as one of its typed JSON structures when it is
 //! first used. Everything around it is our own, since input may be cut, cyclic or absurd: the container and its JSON
 //! (`container`), the lookup of elements (`document`), files (`uri`), buffers (`buffer`, packed ones `meshopt`,
-//! `deltas`, `filter`), accessors (`accessor`), the node tree (`node`), primitives (`mesh`, `part`, `triangles`,
+//! `deltas`, `filter`), accessors (`accessor`), packed meshes (`draco`), the node tree (`node`), primitives (`mesh`, `part`, `triangles`,
 //! `deform`, `tangent`), materials (`material`, `extension`, `texture`), lamps and cameras (`light`, `camera`).
 //!
 //! What is not reached from the chosen scene is not read, so it cannot fail either. Errors are collected: a broken
@@ -18,6 +18,7 @@ mod container;
 mod deform;
 mod deltas;
 mod document;
+mod draco;
 mod extension;
 mod filter;
 mod left_out;
@@ -95,6 +96,7 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         buffers: HashMap::new(),
         unpacked: HashMap::new(),
         accessors: accessor::Cache::default(),
+        draco: draco::Last::default(),
         textures: HashMap::new(),
         images: HashMap::new(),
         materials: HashMap::new(),
@@ -128,6 +130,7 @@ struct Loader<'a> {
     buffers: HashMap<usize, Option<buffer::Blob>>,
     unpacked: HashMap<usize, Option<buffer::Blob>>,
     accessors: accessor::Cache,
+    draco: draco::Last,
     textures: HashMap<texture::Key, Option<TextureId>>,
     images: HashMap<usize, Option<crate::scene::ImageId>>,
     materials: HashMap<(usize, bool), Option<MaterialId>>,
