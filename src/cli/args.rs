@@ -235,6 +235,9 @@ pub struct LoadArgs {
     /// Which material variant of a bare glTF to show, by name.
     #[arg(long, value_name = "NAME", help_heading = SCENE)]
     pub variant: Option<String>,
+    /// Let a glTF read buffers and images outside its own folder. For models that you trust.
+    #[arg(long, help_heading = SCENE)]
+    pub allow_outside: bool,
 }
 
 /// What is taken out of a scene before it is rendered.

@@ -38,6 +38,7 @@ pub fn load_options(args: &LoadArgs, size: [Option<u32>; 2]) -> LoadOptions {
         clock: args.clock,
         shutter: args.shutter,
         gltf_scene: args.gltf_scene.clone(),
+        allow_outside: args.allow_outside,
         variant: args.variant.clone(),
     }
 }
@@ -113,6 +114,7 @@ fn replace_environment(scene: &mut Scene, view: &ViewArgs) {
         scene.images.push(Image {
             name: path.display().to_string(),
             source: ImageSource::File(path.clone()),
+            fallback: None,
             place: Place::None,
         });
         EnvironmentKind::Image {

@@ -54,7 +54,7 @@ impl Reader<'_> {
             let mut known = known.lock().unwrap_or_else(|e| e.into_inner());
             known
                 .entry(key)
-                .or_insert_with(|| load_model(request, self.files, diags).map(without_vertices))
+                .or_insert_with(|| load_model(request, self.files, self.options, diags).map(without_vertices))
                 .clone()
         };
         let mut read = |share: f64| {

@@ -124,3 +124,63 @@ fn a_byte_order_mark_and_float_counts_are_tolerated() {
     let (scene, diags) = load_from(&files, "model.gltf", &GltfOptions::default());
     assert!(scene.is_some() && diags.is_empty(), "{diags:?}");
 }
+
+#[test]
+fn the_best_format_that_is_read_comes_first_and_the_plain_image_is_its_fallback() {
+    let base = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    let sources = |texture: serde_json::Value| {
+        let mut m = Model::with_texture(base.clone());
+        m.json["images"] = json!([{"uri": "data:,png"}, {"uri": "data:,webp"}, {"uri": "data:,ktx2"}, {"uri": "gone"}]);
+        m.json["textures"][0] = texture;
+        let image = m.load().images.remove(0);
+        let text = |source: ImageSource| match source {
+            ImageSource::Bytes(bytes) => String::from_utf8(bytes.to_vec()).unwrap(),
+            other => panic!("{other:?}"),
+        };
+        (text(image.source), image.fallback.map(text))
+    };
+    let webp = json!({"EXT_texture_webp": {"source": 1}});
+    let both = json!({"EXT_texture_webp": {"source": 1}, "KHR_texture_basisu": {"source": 2}});
+    let avif = json!({"EXT_texture_avif": {"source": 1}});
+    let gone = json!({"KHR_texture_basisu": {"source": 3}});
+    let some = |s: &str| Some(s.to_owned());
+    assert_eq!(sources(json!({"source": 0})), ("png".into(), None));
+    assert_eq!(
+        sources(json!({"source": 0, "extensions": webp})),
+        ("webp".into(), some("png"))
+    );
+    assert_eq!(sources(json!({"extensions": webp})), ("webp".into(), None));
+    assert_eq!(
+        sources(json!({"source": 0, "extensions": both})),
+        ("ktx2".into(), some("png"))
+    );
+    assert_eq!(sources(json!({"source": 0, "extensions": avif})), ("png".into(), None));
+    assert_eq!(sources(json!({"source": 0, "extensions": gone})), ("png".into(), None));
+}
+
+#[test]
+fn whatever_is_wrong_with_a_texture_costs_the_texture_and_one_warning() {
+    let base = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    for (pointer, value) in [
+        ("/textures/0/source", json!(7)),
+        ("/textures/0/source", json!("x")),
+        ("/textures/0/sampler", json!(3)),
+        ("/images/0/uri", json!("data:image/png;base64,***")),
+        ("/images/0/uri", json!("../outside.png")),
+        ("/images/0/uri", json!("https://example.org/a.png")),
+        ("/images/0/uri", json!(5)),
+        ("/images/0", json!({"bufferView": 9})),
+        ("/images/0", json!({})),
+        ("/materials/0/pbrMetallicRoughness/baseColorTexture/index", json!(1)),
+    ] {
+        let mut m = Model::with_texture(base.clone());
+        m.json["textures"][0]["sampler"] = json!(0);
+        m.json["samplers"] = json!([{}]);
+        *m.json.pointer_mut(pointer).unwrap() = value.clone();
+        let (scene, diags) = m.try_load(&GltfOptions::default());
+        let scene = scene.unwrap_or_else(|| panic!("{pointer} {value}: {diags:?}"));
+        assert_eq!(principled(&scene).base_color.texture, None, "{pointer} {value}");
+        assert_eq!(diags.iter().count(), 1, "{pointer} {value}: {diags:?}");
+        assert_eq!(scene.meshes.len(), 1);
+    }
+}

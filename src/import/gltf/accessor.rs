@@ -1,12 +1,14 @@
 //! Accessors: typed numbers in views, with strides, normalisation and sparse replacements, all bounds checked.
 
 use super::Loader;
+use super::budget::Cost;
 use super::buffer::Blob;
 use crate::diag::Diagnostic;
 use gltf::json;
 use json::accessor::ComponentType;
 use json::validation::Checked;
-use std::collections::HashMap;
+use serde_json::Value;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 /// Numbers of an accessor, `components` per element.
@@ -46,6 +48,8 @@ pub(super) struct Wanted {
 pub(super) struct Cache {
     floats: HashMap<(usize, bool), Rc<Numbers>>,
     held: usize,
+    /// Accessors that several primitives refer to, found out when first asked for; only these are kept.
+    shared: Option<HashSet<usize>>,
     /// What the accessors of the primitive at hand hold, where its Draco data say so; never kept in `floats`.
     pub supplied: HashMap<usize, Supplied>,
 }
@@ -67,8 +71,6 @@ pub(super) struct Supplied {
 
 /// The cache is emptied beyond this many numbers.
 const CACHE_NUMBERS: usize = 1 << 26;
-/// Most numbers of an accessor without a view: nothing in the file bounds it.
-const MAX_ZEROS: u64 = 100_000_000;
 
 /// Elements at regular distances.
 struct Strided {
@@ -105,7 +107,7 @@ impl Loader<'_> {
             components: source.components,
             values,
         });
-        if supplied {
+        if supplied || !self.is_shared(index) {
             return Some(numbers);
         }
         if self.accessors.held + numbers.values.len() > CACHE_NUMBERS {
@@ -115,6 +117,29 @@ impl Loader<'_> {
         self.accessors.held += numbers.values.len();
         self.accessors.floats.insert(key, numbers.clone());
         Some(numbers)
+    }
+
+    /// Whether more than one attribute of the file's meshes has the accessor's numbers.
+    fn is_shared(&mut self, index: usize) -> bool {
+        let doc = self.doc;
+        let shared = self.accessors.shared.get_or_insert_with(|| {
+            fn items(list: Option<&Value>) -> std::slice::Iter<'_, Value> {
+                list.and_then(Value::as_array).map_or(&[][..], Vec::as_slice).iter()
+            }
+            let primitives = items(doc.top("meshes")).flat_map(|mesh| items(mesh.get("primitives")));
+            let maps = primitives.flat_map(|p| p.get("attributes").into_iter().chain(items(p.get("targets"))));
+            let (mut met, mut shared) = (HashSet::new(), HashSet::new());
+            for accessor in maps.filter_map(Value::as_object).flat_map(|map| map.values()) {
+                let Some(index) = accessor.as_u64().and_then(|i| usize::try_from(i).ok()) else {
+                    continue;
+                };
+                if !met.insert(index) {
+                    shared.insert(index);
+                }
+            }
+            shared
+        });
+        shared.contains(&index)
     }
 
     /// The unsigned integers of accessor `index` (indices, joints), `components` per element.
@@ -148,22 +173,18 @@ impl Loader<'_> {
         let (kind, width) = (kind.0, shape.multiplicity());
         self.check_width(index, width, components, at)?;
         let count = accessor.count.0;
+        let numbers = count.saturating_mul(width as u64);
         let base = match accessor.buffer_view {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 Some(self.strided(view.value(), offset, count, width, kind, &here)?)
             }
-            None if count.saturating_mul(width as u64) <= MAX_ZEROS => None,
             None => {
-                let message = format!("{count} elements without a `bufferView`: nothing in the file holds them");
-                let d = Diagnostic::error("G0405", message);
-                self.report.push(
-                    &here,
-                    d.hint("the count is damaged, or a compressed model lost its data: export it again"),
-                );
-                return None;
+                self.afford(Cost::Zeros, numbers, &here)?;
+                None
             }
         };
+        self.afford(Cost::Numbers, numbers, &here)?;
         let sparse = match &accessor.sparse {
             Some(sparse) => Some(self.sparse(sparse, count, width, kind, &format!("{here}.sparse"))?),
             None => None,

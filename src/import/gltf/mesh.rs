@@ -3,6 +3,7 @@
 
 use super::Loader;
 use super::accessor::Wanted;
+use super::budget::Cost;
 use super::deform::{Pose, unit_tangents};
 use super::part::{Part, join};
 use super::{tangent, triangles};
@@ -61,6 +62,8 @@ impl Loader<'_> {
 
     fn read_parts(&mut self, index: usize, pose: &Pose, at: &str) -> Option<Vec<Part>> {
         let raw = self.doc.raw("meshes", index, at, &mut self.report)?;
+        let primitives = raw.get("primitives").and_then(Value::as_array).map_or(0, Vec::len);
+        self.afford(Cost::Primitives, primitives as u64, &format!("meshes[{index}]"))?;
         let mesh: json::Mesh = self.doc.get(index, at, &mut self.report)?;
         let weights = pose.weights.as_deref().or(mesh.weights.as_deref()).unwrap_or(&[]);
         if mesh.primitives.is_empty() {
@@ -196,13 +199,10 @@ impl Loader<'_> {
                 .push(&place, d.hint("the file is damaged: copy or export it again"));
             return None;
         }
-        let (faces, rest) = triangles::assemble(mode, &corners);
+        let count = corners.len();
+        let (faces, rest) = triangles::assemble(mode, corners);
         if rest > 0 || faces.is_empty() {
-            let message = format!(
-                "{} corners make {} triangles; {rest} are left over",
-                corners.len(),
-                faces.len()
-            );
+            let message = format!("{count} corners make {} triangles; {rest} are left over", faces.len());
             self.report.warning("G0606", at, message);
         }
         self.triangles += faces.len() as u64;

@@ -9,9 +9,12 @@
 //! What is not reached from the chosen scene is not read, so it cannot fail either. Errors are collected: a broken
 //! mesh does not hide a broken material. Animations (`animation`) are played only for a clock or an open shutter, for which
 //! nodes, cameras and lamps are given a motion (`moving`); skins and morph targets stand as they are when it opens.
+//!
+//! Memory stays in proportion to the file whatever it says (`budget`).
 
 mod accessor;
 mod animation;
+mod budget;
 mod buffer;
 mod camera;
 mod container;
@@ -46,6 +49,7 @@ use document::Document;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// What the caller may choose about a glTF file.
 #[derive(Clone, Debug, Default)]
@@ -75,6 +79,7 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         file: path.display().to_string(),
         diags,
         failed: false,
+        lenient: false,
     };
     let container = container::read(path, files, &mut report)?;
     let document = Document::new(container.json, &mut report);
@@ -104,6 +109,10 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         met_meshes: HashSet::new(),
         chosen_scene: None,
         variant: None,
+        files_read: HashMap::new(),
+        viewed_images: HashMap::new(),
+        read_bytes: container.length,
+        spent: budget::Spent::default(),
         bytes: 0,
         triangles: 0,
         animated: 0,
@@ -132,7 +141,8 @@ struct Loader<'a> {
     accessors: accessor::Cache,
     draco: draco::Last,
     textures: HashMap<texture::Key, Option<TextureId>>,
-    images: HashMap<usize, Option<crate::scene::ImageId>>,
+    /// By number, and by the number of what is taken instead.
+    images: HashMap<(usize, Option<usize>), Option<crate::scene::ImageId>>,
     materials: HashMap<(usize, bool), Option<MaterialId>>,
     meshes: HashMap<usize, Rc<[MeshId]>>,
     /// Meshes that a visible node places.
@@ -140,6 +150,13 @@ struct Loader<'a> {
     /// The scene that is shown, if the file has scenes.
     chosen_scene: Option<usize>,
     variant: Option<usize>,
+    /// Files of buffers by path, each read once.
+    files_read: HashMap<std::path::PathBuf, Arc<[u8]>>,
+    /// Images in views, by view.
+    viewed_images: HashMap<usize, Arc<[u8]>>,
+    /// Bytes of the file and of the buffers beside it.
+    read_bytes: u64,
+    spent: budget::Spent,
     /// Bytes of all buffers read and views unpacked so far, and triangles made of them.
     bytes: u64,
     triangles: u64,
@@ -154,6 +171,8 @@ struct Report<'a> {
     file: String,
     diags: &'a mut Diagnostics,
     failed: bool,
+    /// Whether what is wrong costs a part of the picture only.
+    lenient: bool,
 }
 
 impl Report<'_> {
@@ -171,7 +190,11 @@ impl Report<'_> {
     }
 
     /// Adds a diagnostic at a path inside the file (`""` is the file itself).
-    fn push(&mut self, at: &str, diagnostic: Diagnostic) {
+    fn push(&mut self, at: &str, mut diagnostic: Diagnostic) {
+        if self.lenient && diagnostic.severity == Severity::Error {
+            diagnostic.severity = Severity::Warning;
+            diagnostic = diagnostic.hint("the model is drawn without this texture");
+        }
         self.failed |= diagnostic.severity == Severity::Error;
         self.diags.push(diagnostic.in_place(self.place(at)));
     }

@@ -33,13 +33,14 @@ const KNOWN: &[&str] = &[
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
 ];
 
 /// Materials and pictures that only look different without them.
-const APPROXIMATED: &[&str] = &["KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"];
+const APPROXIMATED: &[&str] = &["EXT_texture_avif", "MSFT_texture_dds"];
 
 /// Reports each required extension that this reader does not know.
 pub(super) fn check(doc: &Document, report: &mut Report) {

@@ -46,6 +46,7 @@ impl<'a> Textures<'a> {
             scene.add_image(Image {
                 name: path.display().to_string(),
                 source: ImageSource::File(path.clone()),
+                fallback: None,
                 place: Place::Model(map.place.clone()),
             })
         });
