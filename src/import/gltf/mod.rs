@@ -15,6 +15,7 @@ mod animation;
 mod buffer;
 mod camera;
 mod container;
+mod contents;
 mod deform;
 mod deltas;
 mod document;
@@ -37,6 +38,8 @@ mod triangles;
 mod uri;
 mod variant;
 mod volume;
+
+pub use contents::{Contents, contents};
 
 use crate::diag::{Anomaly, Diagnostic, Diagnostics, Severity};
 use crate::files::Files;
