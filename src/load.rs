@@ -41,6 +41,8 @@ pub struct LoadOptions {
     pub clock: Option<f64>,
     /// How long the shutter is open, in units of the clock, ≥ 0; `None` leaves it to the scene.
     pub shutter: Option<f64>,
+    /// Where in an animation a text scene is read, if it is in one; its clock is `clock`.
+    pub frame: Option<lang::Frame>,
     /// Which scene of a bare glTF.
     pub gltf_scene: Option<String>,
     /// Which material variant of a bare glTF.

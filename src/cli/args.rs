@@ -1,5 +1,6 @@
 //! The command line as data. Every flag is declared and explained here, once; the commands only read the result.
 
+use super::animation::Moment;
 use super::camera::CameraChoice;
 use super::choices::{Aov, ColorKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind, ViewName};
 use super::values::{self, Forced, Resolution};
@@ -7,10 +8,12 @@ use crate::compile::effects::Effect;
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 
+mod animation;
 mod parts;
 mod sampling;
 mod study;
 
+pub use animation::AnimationArgs;
 pub use parts::{MergeArgs, PartArgs};
 pub use sampling::SamplingArgs;
 pub use study::{STUDY_EXIT_CODES, StudyArgs};
@@ -100,6 +103,9 @@ pub struct RenderArgs {
     /// Which part of the picture is rendered.
     #[command(flatten)]
     pub parts: PartArgs,
+    /// Which frames of an animation are rendered.
+    #[command(flatten)]
+    pub animation: AnimationArgs,
     /// How the scene is read.
     #[command(flatten)]
     pub load: LoadArgs,
@@ -208,6 +214,13 @@ pub struct ViewArgs {
     /// Replace the environment by an equirectangular image (.hdr, .exr, …).
     #[arg(long, value_name = "FILE", help_heading = VIEW)]
     pub env_map: Option<PathBuf>,
+    /// Turn the image of the environment about the vertical by so many degrees: 90 turns what is in its middle to the
+    /// right, once more to the back.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = values::finite, help_heading = VIEW)]
+    pub env_rotate: Option<f64>,
+    /// Multiply the light of the environment by this, the given one's, the scene's or the one that a bare model gets.
+    #[arg(long, value_name = "FACTOR", value_parser = values::factor, help_heading = VIEW)]
+    pub env_strength: Option<f64>,
     /// Multiply the light of all lamps and emitting surfaces (not of the environment) by this.
     #[arg(long, value_name = "FACTOR", value_parser = values::factor, help_heading = VIEW)]
     pub light_scale: Option<f64>,
@@ -238,6 +251,9 @@ pub struct LoadArgs {
     /// Let a glTF read buffers and images outside its own folder. For models that you trust.
     #[arg(long, help_heading = SCENE)]
     pub allow_outside: bool,
+    /// Where in an animation it is read; decided by the flags of the animation.
+    #[arg(skip)]
+    pub moment: Option<Moment>,
 }
 
 /// What is taken out of a scene before it is rendered.

@@ -16,6 +16,8 @@ pub struct Console {
     quiet: u8,
     verbose: u8,
     progress: ProgressKind,
+    /// The frame that is rendered, and the last one.
+    frame: Option<[u32; 2]>,
 }
 
 impl Console {
@@ -42,6 +44,23 @@ impl Console {
             quiet: args.quiet,
             verbose: args.verbose,
             progress,
+            frame: None,
+        }
+    }
+
+    /// The console for one frame of an animation that ends with `last`: progress and events tell which.
+    pub fn for_frame(self, number: u32, last: u32) -> Console {
+        Console {
+            frame: Some([number, last]),
+            ..self
+        }
+    }
+
+    /// `frame 3/120  ` before what is told of its progress; nothing for a still.
+    pub fn frame_prefix(&self) -> String {
+        match self.frame {
+            Some([number, last]) => format!("frame {number}/{last}  "),
+            None => String::new(),
         }
     }
 
@@ -107,8 +126,14 @@ impl Console {
         }
     }
 
-    /// One JSON object on a line of its own.
+    /// One JSON object on a line of its own; of an animation it tells the frame.
     pub fn event(&self, event: &Value) {
+        if let (Some([number, _]), Some(fields)) = (self.frame, event.as_object()) {
+            let mut fields = fields.clone();
+            fields.insert("frame".to_owned(), number.into());
+            let _ = writeln!(std::io::stderr().lock(), "{}", Value::Object(fields));
+            return;
+        }
         let _ = writeln!(std::io::stderr().lock(), "{event}");
     }
 

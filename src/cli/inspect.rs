@@ -2,10 +2,12 @@
 
 mod json;
 mod measure;
+mod names;
 mod pruned;
 mod text;
 
 use self::measure::{Measured, Task};
+use self::names::Names;
 use super::args::InspectArgs;
 use super::choices::ReportFormat;
 use super::console::Console;
@@ -14,7 +16,7 @@ use crate::compile::compile_pruned;
 use crate::compile::effects::causes::{self, Effects};
 use crate::compile::prune::{Pruned, Reached, Removal, prune};
 use crate::diag::{Diagnostics, SourceMap};
-use crate::files::Files;
+use crate::files::{DiskFiles, Files};
 use crate::render::kernel::tier::KernelTier;
 use crate::render::scene::CompiledScene;
 use crate::render::technique::Technique;
@@ -55,6 +57,7 @@ struct Found {
     pruned: Option<Vec<Removal>>,
     opened: Vec<String>,
     hints: Vec<(String, Place)>,
+    names: Names,
     /// What rendering it costs, if that was asked for.
     measured: Option<Measured>,
 }
@@ -70,6 +73,7 @@ fn inspect(args: &InspectArgs, console: &Console, sources: &mut SourceMap, diags
     let given = args.resolution.map(|r| [Some(r.width), Some(r.height)]);
     let options = scene::load_options(&args.load, given.unwrap_or_default());
     let mut described = scene::read(&path, &files, &options, sources, diags)?;
+    let names = Names::of(&described, &path, &DiskFiles::default()); // apart from what the picture needs
     scene::select_camera(&mut described, &args.view, diags);
     let of_scene = described.defaults.resolution.unwrap_or(plan::DEFAULT_RESOLUTION);
     let size = args.resolution.map_or(of_scene, |r| [r.width, r.height]);
@@ -111,6 +115,7 @@ fn inspect(args: &InspectArgs, console: &Console, sources: &mut SourceMap, diags
         effects,
         pruned: (!args.prune.no_prune).then_some(what),
         hints: hints(&described),
+        names,
         opened: files.opened().iter().map(|p| p.display().to_string()).collect(),
         scene: described,
         compiled,

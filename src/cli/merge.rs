@@ -48,7 +48,7 @@ fn merge(args: &MergeArgs, console: &Console) -> Result<Exit, Refusal> {
                        ask pts render for --aov time or --view time";
         return Err((Exit::Usage, message.to_owned()));
     }
-    let targets = outputs::plan(&args.output, Path::new(""))?;
+    let targets = outputs::plan(&args.output, Path::new(""), &Path::to_owned)?;
     let whole = bring_together(&args.parts)?;
     let samples = whole
         .pixels

@@ -4,6 +4,7 @@
 //! (The reports of `compare`, `inspect` and `check --format json` are the exceptions: they are the product.)
 
 pub mod accuracy;
+pub mod animation;
 mod args;
 pub mod camera;
 pub mod check;
@@ -13,6 +14,7 @@ pub mod compare;
 pub mod compare_report;
 pub mod console;
 pub mod diagnostics;
+pub mod frames;
 pub mod inspect;
 pub mod merge;
 pub mod metadata;

@@ -52,8 +52,9 @@ pub struct Targets {
     pub parts: Vec<PathBuf>,
 }
 
-/// All targets, with the default if none is named. Formats are known, directories exist and can be written to.
-pub fn plan(args: &OutputArgs, scene: &Path) -> Result<Targets, Refusal> {
+/// All targets, with the default if none is named. Formats are known, directories exist and can be written to. `name`
+/// makes the name of a file from the one that was given.
+pub fn plan(args: &OutputArgs, scene: &Path, name: &dyn Fn(&Path) -> PathBuf) -> Result<Targets, Refusal> {
     let usage = |message: &str| Err((Exit::Usage, message.to_owned()));
     let default = [default_output(scene)];
     let paths = if args.output.is_empty() {
@@ -70,6 +71,10 @@ pub fn plan(args: &OutputArgs, scene: &Path) -> Result<Targets, Refusal> {
     let mut targets = Vec::new();
     let mut parts = Vec::new();
     for path in paths {
+        let path = &match is_stdout(path) {
+            true => path.clone(),
+            false => name(path),
+        };
         if part::is_part(path) {
             check_writable(path)?;
             parts.push(path.clone());
@@ -103,6 +108,22 @@ pub fn plan(args: &OutputArgs, scene: &Path) -> Result<Targets, Refusal> {
         return usage("--view is for images that show what is in them: add -o name.png (or .jpg, .ppm)");
     }
     Ok(Targets { images: targets, parts })
+}
+
+impl Targets {
+    /// Whether every file is there already.
+    pub fn exist(&self) -> bool {
+        let is_there = |target: &Target| match target {
+            Target::File(path, _) => path.exists(),
+            Target::Stdout(_) => false,
+        };
+        self.images.iter().all(is_there) && self.parts.iter().all(|path| path.exists())
+    }
+
+    /// Whether a picture goes to standard output.
+    pub fn to_stdout(&self) -> bool {
+        self.images.iter().any(|target| matches!(target, Target::Stdout(_)))
+    }
 }
 
 /// Whether images of this format hold what a display shows, not light.

@@ -44,7 +44,8 @@ impl Meter {
     pub fn new(console: Console) -> Meter {
         let began = Instant::now();
         let bar = bar(&console, STEPS);
-        bar.iter().for_each(|bar| bar.set_message("first pass"));
+        bar.iter()
+            .for_each(|bar| bar.set_message(console.frame_prefix() + "first pass"));
         Meter {
             console,
             began,
@@ -67,13 +68,14 @@ impl Meter {
             ProgressKind::Bar => {
                 if let Some(bar) = &self.bar {
                     bar.set_position((progress.fraction.clamp(0.0, 1.0) * STEPS as f64) as u64);
-                    bar.set_message(line(progress, rendering));
+                    bar.set_message(self.console.frame_prefix() + &line(progress, rendering));
                 }
             }
             ProgressKind::Plain => {
                 let tenth = (progress.fraction * 10.0) as u32;
                 if tenth > shown.tenth || shown.at.elapsed() >= PLAIN_INTERVAL {
-                    self.console.line(&line(progress, rendering));
+                    self.console
+                        .line(&(self.console.frame_prefix() + &line(progress, rendering)));
                     *shown = Shown {
                         at: Instant::now(),
                         tenth,

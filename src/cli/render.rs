@@ -1,5 +1,6 @@
 //! `pts render`: a scene to image files.
 
+use super::animation::Animation;
 use super::args::RenderArgs;
 use super::console::Console;
 use super::outputs::{self, Finished, Targets};
@@ -7,12 +8,13 @@ use super::parts::{self, Display};
 use super::plan::{self, Goal};
 use super::progress::Meter;
 use super::summary::{self, Summary, is_goal_missed};
-use super::{Exit, accuracy, checkpoint, metadata, replay, scene, signals};
+use super::{Exit, accuracy, checkpoint, frames, metadata, replay, scene, signals};
 use crate::compile::compile_pruned;
 use crate::compile::effects::{Effect, causes};
 use crate::compile::prune::{Pruned, prune};
 use crate::diag::{Diagnostics, SourceMap};
-use crate::files::Files;
+use crate::files::{DiskFiles, Files};
+use crate::load;
 use crate::math::words::clock;
 use crate::output::part::Part;
 use crate::output::{Develop, Format};
@@ -23,7 +25,7 @@ use crate::render::settings::Settings;
 use crate::render::tiles::Tiles;
 use metadata::HashingFiles;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Most pixels of a picture: its buffers must fit into memory.
@@ -46,15 +48,35 @@ struct Job {
 pub fn run(args: &RenderArgs) -> Exit {
     let started = Instant::now();
     let console = Console::new(&args.terminal, args.progress);
-    signals::install(!console.is_json());
-    let targets = match prepare(args) {
-        Ok(targets) => targets,
-        Err((exit, message)) => {
+    let animation = match Animation::of(&args.animation, is_model(args.scene())) {
+        Ok(animation) => animation,
+        Err(message) => {
             console.error(&message);
-            return exit;
+            return Exit::Usage;
         }
     };
-    let job = match load(args, &console, started) {
+    if let Some(animation) = animation {
+        return frames::run(args, &animation, console);
+    }
+    signals::install(!console.is_json());
+    match prepare(args, &Path::to_owned) {
+        Ok(targets) => render(args, &targets, console, started),
+        Err((exit, message)) => {
+            console.error(&message);
+            exit
+        }
+    }
+}
+
+/// Whether a scene is a bare model. What kind an unknown file is, reading it tells.
+fn is_model(scene: &Path) -> bool {
+    let kind = load::kind_of(scene, &DiskFiles::default(), &mut Diagnostics::default());
+    scene != Path::new("-") && kind.is_some_and(|kind| kind != load::Kind::Text)
+}
+
+/// Renders one picture.
+pub(super) fn render(args: &RenderArgs, targets: &Targets, console: Console, started: Instant) -> Exit {
+    let job = match read(args, &console, started) {
         Ok(job) => job,
         Err(exit) => return exit,
     };
@@ -65,7 +87,7 @@ pub fn run(args: &RenderArgs) -> Exit {
             return exit;
         }
     };
-    conclude(args, &job, &targets, kept, rendered, &console)
+    conclude(args, &job, targets, kept, rendered, &console)
 }
 
 /// Renders, from the checkpoint on if there is one. Returns the header of the sums and what was rendered.
@@ -102,8 +124,8 @@ fn header_of(before: &Value, tiles: &Tiles) -> Value {
     header
 }
 
-/// Everything that can be wrong without looking at the scene.
-fn prepare(args: &RenderArgs) -> Result<Targets, outputs::Refusal> {
+/// Everything that can be wrong without looking at the scene. `name` makes the names of files from those that were given.
+pub(super) fn prepare(args: &RenderArgs, name: &dyn Fn(&Path) -> PathBuf) -> Result<Targets, outputs::Refusal> {
     if args.sampling.nets == Some(1) && args.quality.has_error_goal() {
         let message = "an error goal needs several sample nets to estimate the error from: leave --nets 1 out";
         return Err((Exit::Usage, message.to_owned()));
@@ -117,7 +139,7 @@ fn prepare(args: &RenderArgs) -> Result<Targets, outputs::Refusal> {
         let message = "--adaptive needs several sample nets to see where the noise is: leave --nets 1 out";
         return Err((Exit::Usage, message.to_owned()));
     }
-    let targets = outputs::plan(&args.output, args.scene())?;
+    let targets = outputs::plan(&args.output, args.scene(), name)?;
     let parts = &args.parts;
     let is_part = parts.checkpoint.is_some() || parts.samples.is_some() || parts.tile.is_some();
     if args.sampling.adaptive && (is_part || !targets.parts.is_empty()) {
@@ -136,7 +158,7 @@ fn prepare(args: &RenderArgs) -> Result<Targets, outputs::Refusal> {
 }
 
 /// Reads and compiles the scene, and decides the settings. All mistakes have been told when it fails.
-fn load(args: &RenderArgs, console: &Console, started: Instant) -> Result<Job, Exit> {
+fn read(args: &RenderArgs, console: &Console, started: Instant) -> Result<Job, Exit> {
     let (files, path) = scene::open(args.scene()).map_err(|error| {
         console.error(&format!("cannot read standard input: {error}"));
         Exit::Scene
@@ -307,6 +329,15 @@ fn conclude(
     let (written, all_written, view) = if interrupted && tiles.samples().1 == 0 {
         console.warn("interrupted before the first sample: nothing is written");
         (Vec::new(), true, None)
+    } else if let Some(moment) = args.load.moment.filter(|_| interrupted) {
+        // Among finished frames nobody would notice one that is not.
+        let number = moment.frame.number;
+        console.warn(&format!(
+            "interrupted: frame {number} is not finished and is not written"
+        ));
+        let path = args.parts.checkpoint.as_slice();
+        let (kept, done) = outputs::write_parts(path, &header, &tiles, console);
+        (kept, done, None)
     } else {
         let paths = [&targets.parts[..], args.parts.checkpoint.as_slice()].concat();
         let (parts_written, parts_done) = outputs::write_parts(&paths, &header, &tiles, console);
@@ -349,6 +380,8 @@ fn conclude(
     };
     if console.is_json() {
         console.event(&summary.event(exit.code()));
+    } else if interrupted && args.load.moment.is_some() {
+        // There is no picture to speak of.
     } else if console.is_quiet() {
         if !report.anomalies.is_empty() {
             summary::anomalies(&report.anomalies)

@@ -44,6 +44,9 @@ fn words(args: &RenderArgs, settings: &Settings, spp: Option<u32>, with_outputs:
         args.sampling.filter.map(|_| filter_word(settings.filter).to_owned()),
     );
     words.extend(scene_words(&args.view, &args.load));
+    if let Some(moment) = &args.load.moment {
+        words.extend(args.animation.words(moment.frame.number));
+    }
     let mut flag = |name: &str, value: Option<String>| {
         if let Some(value) = value {
             words.extend([name.to_owned(), value]);
@@ -97,6 +100,8 @@ pub fn scene_words(view: &ViewArgs, load: &LoadArgs) -> Vec<String> {
     flag("--camera", view.camera.as_ref().map(|c| c.to_string()));
     flag("--env-color", view.env_color.map(|[r, g, b]| format!("{r},{g},{b}")));
     flag("--env-map", view.env_map.as_ref().map(|p| p.display().to_string()));
+    flag("--env-rotate", view.env_rotate.map(|d| d.to_string()));
+    flag("--env-strength", view.env_strength.map(|s| s.to_string()));
     flag("--light-scale", view.light_scale.map(|f| f.to_string()));
     for dir in &load.include {
         flag("-I", Some(dir.display().to_string()));
@@ -192,6 +197,10 @@ mod tests {
             "-2",
             "--shutter",
             "0.5",
+            "--env-rotate",
+            "-30",
+            "--env-strength",
+            "2.5",
             "-I",
             "inc",
         ]);

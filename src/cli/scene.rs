@@ -3,7 +3,7 @@
 use super::args::{LoadArgs, ViewArgs};
 use super::camera::{self, CameraChoice};
 use super::console::Console;
-use crate::diag::{Diagnostics, SourceMap};
+use crate::diag::{Diagnostic, Diagnostics, SourceMap};
 use crate::files::{DiskFiles, Files};
 use crate::import::framing;
 use crate::load::{self, LoadOptions, STDIN_NAME, StdinFiles};
@@ -35,8 +35,9 @@ pub fn load_options(args: &LoadArgs, size: [Option<u32>; 2]) -> LoadOptions {
         defines: args.define.clone(),
         width: size[0],
         height: size[1],
-        clock: args.clock,
-        shutter: args.shutter,
+        clock: args.moment.map_or(args.clock, |m| Some(m.frame.clock)),
+        shutter: args.moment.and_then(|m| m.shutter).or(args.shutter),
+        frame: args.moment.map(|m| m.frame),
         gltf_scene: args.gltf_scene.clone(),
         allow_outside: args.allow_outside,
         variant: args.variant.clone(),
@@ -93,6 +94,7 @@ pub fn finish(scene: &mut Scene, view: &ViewArgs, size: [u32; 2], console: &Cons
     if view.env_color.is_some() || view.env_map.is_some() {
         scene.environment = environment;
     }
+    adjust_environment(scene, view, diags);
     if let Some(factor) = view.light_scale {
         scale_lights(scene, factor);
     }
@@ -131,6 +133,37 @@ fn replace_environment(scene: &mut Scene, view: &ViewArgs) {
     };
 }
 
+/// `--env-rotate` and `--env-strength`, for whatever environment there is by now.
+fn adjust_environment(scene: &mut Scene, view: &ViewArgs, diags: &mut Diagnostics) {
+    let is_right_handed = scene.handedness == Handedness::Right;
+    if let Some(factor) = view.env_strength {
+        match &mut scene.environment.kind {
+            EnvironmentKind::Black => {}
+            EnvironmentKind::Constant(radiance) => *radiance *= factor,
+            EnvironmentKind::Image { strength, .. } => *strength *= factor,
+        }
+        scene.environment.backdrop.iter_mut().for_each(|b| *b *= factor);
+        if scene.environment.kind == EnvironmentKind::Black {
+            diags.push(Diagnostic::note(
+                "C0004",
+                "--env-strength has no effect: the environment is black",
+            ));
+        }
+    }
+    let Some(degrees) = view.env_rotate else { return };
+    match &mut scene.environment.kind {
+        EnvironmentKind::Image { rotation, .. } => {
+            // To the right from −z is the other way round than from +z.
+            let angle = degrees.to_radians() * if is_right_handed { -1.0 } else { 1.0 };
+            *rotation = DMat3::from_rotation_y(angle) * *rotation;
+        }
+        _ => {
+            let note = Diagnostic::note("C0004", "--env-rotate has no effect: the environment is no image");
+            diags.push(note.hint("give one with --env-map FILE"));
+        }
+    }
+}
+
 /// `--light-scale`: lamps and emitting surfaces, so that a light can be weighed against the environment.
 fn scale_lights(scene: &mut Scene, factor: f64) {
     for light in &mut scene.lights {
@@ -151,6 +184,8 @@ mod tests {
             camera: None,
             env_color: None,
             env_map: None,
+            env_rotate: None,
+            env_strength: None,
             light_scale: None,
         }
     }
@@ -178,6 +213,50 @@ mod tests {
             scene.environment.kind,
             EnvironmentKind::Image { image: ImageId(0), .. }
         ));
+    }
+
+    /// What is in the middle of the image is seen to the right of where it was, in both kinds of worlds.
+    #[test]
+    fn a_quarter_turn_of_the_environment_takes_its_middle_to_the_right() {
+        for (handedness, middle) in [(Handedness::Left, DVec3::Z), (Handedness::Right, DVec3::NEG_Z)] {
+            let mut scene = Scene {
+                handedness,
+                ..Scene::default()
+            };
+            scene.environment.kind = EnvironmentKind::Image {
+                image: ImageId(0),
+                strength: 1.5,
+                rotation: DMat3::IDENTITY,
+            };
+            let view = ViewArgs {
+                env_rotate: Some(90.0),
+                env_strength: Some(2.0),
+                ..view()
+            };
+            adjust_environment(&mut scene, &view, &mut Diagnostics::default());
+            let EnvironmentKind::Image { strength, rotation, .. } = scene.environment.kind else {
+                panic!("{:?}", scene.environment);
+            };
+            assert_eq!(strength, 3.0);
+            // A quarter turn in radians is rounded once.
+            assert!((rotation * middle - DVec3::X).length() < 1e-15, "{rotation}");
+        }
+    }
+
+    #[test]
+    fn a_turn_of_no_image_is_told() {
+        let mut scene = Scene::default();
+        let view = ViewArgs {
+            env_rotate: Some(90.0),
+            env_strength: Some(2.0),
+            ..view()
+        };
+        let mut diags = Diagnostics::default();
+        adjust_environment(&mut scene, &view, &mut diags);
+        assert_eq!(diags.iter().count(), 2);
+        scene.environment.kind = EnvironmentKind::Constant(DVec3::ONE);
+        adjust_environment(&mut scene, &view, &mut Diagnostics::default());
+        assert_eq!(scene.environment.kind, EnvironmentKind::Constant(DVec3::splat(2.0)));
     }
 
     #[test]

@@ -64,6 +64,21 @@ impl ModelOptions {
 /// Loads a model in its own coordinates; reports why if it cannot.
 pub type ModelLoader<'a> = dyn Fn(&ModelRequest, &mut Diagnostics) -> Option<Scene> + Sync + 'a;
 
+/// Where in an animation a scene is read, as it may ask: `frame_number`, `initial_clock`, ….
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Its number.
+    pub number: u32,
+    /// The clock when its shutter opens.
+    pub clock: f64,
+    /// Numbers of the first and last frame.
+    pub frames: [u32; 2],
+    /// The clocks of these.
+    pub clocks: [f64; 2],
+    /// From the clock of one frame to that of the next.
+    pub delta: f64,
+}
+
 /// What the caller of [`load`] asks for.
 pub struct LoadOptions<'a> {
     /// Directories where includes, images and models are looked up after the scene's own.
@@ -78,6 +93,8 @@ pub struct LoadOptions<'a> {
     pub clock: f64,
     /// The clock at which the shutter opens; `None` is `clock` itself.
     pub opening: Option<f64>,
+    /// Where in an animation the scene is read, if it is in one.
+    pub frame: Option<Frame>,
     /// Set when the scene reads `clock`: without that no moment differs from another.
     pub clock_read: AtomicBool,
     /// Loads glTF and OBJ models.
@@ -94,6 +111,7 @@ impl<'a> LoadOptions<'a> {
             height: None,
             clock: 0.0,
             opening: None,
+            frame: None,
             clock_read: AtomicBool::new(false),
             models,
         }

@@ -33,6 +33,7 @@ impl Reader<'_> {
             height: self.options.height,
             clock,
             opening: Some(self.options.clock.unwrap_or(0.0)),
+            frame: self.options.frame,
             clock_read: AtomicBool::new(false),
             models,
         }

@@ -55,6 +55,7 @@ impl Found {
             "images": size.images,
             "image_bytes": size.image_bytes,
             "cameras": cameras,
+            "names": self.names.json(),
             "files": self.opened,
             "hints": hints.collect::<Vec<_>>(),
         })

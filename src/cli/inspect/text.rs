@@ -66,6 +66,7 @@ impl Found {
         let textures = format!("{} ({})", grouped(size.images), bytes(size.image_bytes));
         lines.push(row("textures", &textures));
         lines.push(row("files read", &self.opened.join(", ")));
+        lines.extend(self.names.rows());
         if let Some(measured) = &self.measured {
             lines.push("measured".to_owned());
             if let Some(until) = &measured.forecast {

@@ -18,6 +18,7 @@ mod budget;
 mod buffer;
 mod camera;
 mod container;
+mod contents;
 mod deform;
 mod deltas;
 mod document;
@@ -41,6 +42,8 @@ mod triangles;
 mod uri;
 mod variant;
 mod volume;
+
+pub use contents::{Contents, contents};
 
 use crate::diag::{Anomaly, Diagnostic, Diagnostics, Severity};
 use crate::files::Files;

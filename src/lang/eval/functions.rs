@@ -107,11 +107,13 @@ impl Interp<'_> {
                 self.options.clock_read.store(true, Ordering::Relaxed);
                 self.options.clock
             }
-            // The same for all moments at which the shutter is open.
-            Word::FinalClock | Word::ClockOn => {
-                f64::from(u8::from(self.options.opening.unwrap_or(self.options.clock) != 0.0))
-            }
-            Word::ClockDelta | Word::FrameNumber | Word::InitialFrame | Word::FinalFrame | Word::InitialClock => 0.0,
+            Word::FinalClock
+            | Word::ClockOn
+            | Word::ClockDelta
+            | Word::FrameNumber
+            | Word::InitialFrame
+            | Word::FinalFrame
+            | Word::InitialClock => self.animation_value(w),
             Word::Now => 0.0, // a scene must not depend on the day it is rendered
             Word::Version => self.version,
             Word::ImageWidth | Word::ImageHeight => {
@@ -124,6 +126,26 @@ impl Interp<'_> {
         };
         self.bump();
         Ok(Num::float(variable))
+    }
+
+    /// What a scene may know of the animation that it is in; the same for all moments at which the shutter is open.
+    fn animation_value(&self, w: Word) -> f64 {
+        let Some(frame) = self.options.frame else {
+            let clock = self.options.opening.unwrap_or(self.options.clock);
+            return match w {
+                Word::FinalClock | Word::ClockOn => f64::from(u8::from(clock != 0.0)),
+                _ => 0.0,
+            };
+        };
+        match w {
+            Word::ClockOn => 1.0,
+            Word::ClockDelta => frame.delta,
+            Word::FrameNumber => f64::from(frame.number),
+            Word::InitialFrame => f64::from(frame.frames[0]),
+            Word::FinalFrame => f64::from(frame.frames[1]),
+            Word::InitialClock => frame.clocks[0],
+            _ => frame.clocks[1],
+        }
     }
 
     /// Width and height of the image as far as known: the command line's, the scene's so far, or 800×600.
