@@ -49,6 +49,8 @@ pub struct LoadOptions {
     pub variant: Option<String>,
     /// Whether a glTF, bare or in a text scene, may read files outside its own folder.
     pub allow_outside: bool,
+    /// How materials of a glTF, bare or in a text scene, that transmit are drawn.
+    pub glass: gltf::Glass,
 }
 
 /// The three families of scene files.
@@ -95,6 +97,7 @@ pub fn load(
                 clock: options.clock,
                 shutter: options.shutter.unwrap_or(0.0),
                 allow_outside: options.allow_outside,
+                glass: options.glass,
                 node: None,
                 node_is_origin: false,
             };
@@ -140,6 +143,7 @@ fn load_model(
                 node_is_origin: wanted.node_is_origin,
                 clock: wanted.clock,
                 allow_outside: options.allow_outside,
+                glass: options.glass,
                 ..gltf::GltfOptions::default()
             };
             gltf::load(&request.path, files, &options, diags)

@@ -6,6 +6,7 @@ use super::console::Console;
 use crate::diag::{Diagnostic, Diagnostics, SourceMap};
 use crate::files::{DiskFiles, Files};
 use crate::import::framing;
+use crate::import::gltf::Glass;
 use crate::load::{self, LoadOptions, STDIN_NAME, StdinFiles};
 use crate::scene::{Environment, EnvironmentKind, Handedness, Image, ImageId, ImageSource, Place, Scene};
 use glam::{DMat3, DVec3};
@@ -40,6 +41,7 @@ pub fn load_options(args: &LoadArgs, size: [Option<u32>; 2]) -> LoadOptions {
         frame: args.moment.map(|m| m.frame),
         gltf_scene: args.gltf_scene.clone(),
         allow_outside: args.allow_outside,
+        glass: args.glass.map_or(Glass::AsWritten, |g| g.glass()),
         variant: args.variant.clone(),
     }
 }

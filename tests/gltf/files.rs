@@ -3,7 +3,7 @@
 use crate::builder::*;
 use pts::diag::Severity;
 use pts::files::{Files, MemoryFiles};
-use pts::import::gltf::GltfOptions;
+use pts::import::gltf::{Glass, GltfOptions};
 use pts::scene::ImageSource;
 use serde_json::json;
 use std::path::Path;
@@ -183,4 +183,42 @@ fn whatever_is_wrong_with_a_texture_costs_the_texture_and_one_warning() {
         assert_eq!(diags.iter().count(), 1, "{pointer} {value}: {diags:?}");
         assert_eq!(scene.meshes.len(), 1);
     }
+}
+
+#[test]
+fn glass_is_solid_or_thin_if_the_caller_says_so() {
+    let glass = |volume: serde_json::Value| {
+        let mut extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
+        if !volume.is_null() {
+            extensions["KHR_materials_volume"] = volume;
+        }
+        Model::with_material(json!({"extensions": extensions}))
+    };
+    let (thin, solid) = (
+        glass(json!(null)),
+        glass(json!({"thicknessFactor": 1, "attenuationDistance": 1,
+        "attenuationColor": [0.5, 0.5, 0.5]})),
+    );
+    for (choice, of_thin, of_solid) in [
+        (Glass::AsWritten, false, true),
+        (Glass::Solid, true, true),
+        (Glass::Thin, false, false),
+    ] {
+        for (model, thick) in [(&thin, of_thin), (&solid, of_solid)] {
+            let options = GltfOptions {
+                glass: choice,
+                ..GltfOptions::default()
+            };
+            let scene = model.try_load(&options).0.expect("it loads");
+            assert_eq!(principled(&scene).thick, thick, "{choice:?}");
+            let absorbs = scene.materials[0].interior != Default::default();
+            assert_eq!(absorbs, thick && std::ptr::eq(model, &solid), "{choice:?}");
+        }
+    }
+    let opaque = Model::with_material(json!({}));
+    let options = GltfOptions {
+        glass: Glass::Solid,
+        ..GltfOptions::default()
+    };
+    assert!(!principled(&opaque.try_load(&options).0.expect("it loads")).thick);
 }

@@ -54,6 +54,18 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
+/// How materials with `KHR_materials_transmission` are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Glass {
+    /// By the specification: solid where `KHR_materials_volume` gives a thickness, else thin sheets.
+    #[default]
+    AsWritten,
+    /// All as solids, which refract: what Blender shows of glass that it exports without a thickness.
+    Solid,
+    /// All as thin sheets.
+    Thin,
+}
+
 /// What the caller may choose about a glTF file.
 #[derive(Clone, Debug, Default)]
 pub struct GltfOptions {
@@ -72,6 +84,8 @@ pub struct GltfOptions {
     pub shutter: f64,
     /// Whether buffers and images outside the model's folder may be read.
     pub allow_outside: bool,
+    /// How materials that transmit are drawn.
+    pub glass: Glass,
 }
 
 /// Reads a glTF or GLB file into a scene of its own: right-handed, metres as units, lamps and cameras in world space.

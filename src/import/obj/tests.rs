@@ -257,6 +257,29 @@ fn a_phong_highlight_becomes_a_coat_of_matching_roughness() {
     }
 }
 
+#[test]
+fn a_mask_is_in_the_alpha_that_varies_or_else_in_the_grey() {
+    let png = |alpha: [u8; 2]| {
+        let image = image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([255, 255, 255, alpha[x as usize]]));
+        let mut out = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut out, image::ImageFormat::Png).expect("into memory");
+        out.into_inner()
+    };
+    let obj = format!("mtllib a.mtl\n{SQUARE}vt 0 0\nusemtl m\nf 1/1 2/1 3/1 4/1\n");
+    for (alpha, channel) in [([255, 0], Channel::A), ([255, 255], Channel::R)] {
+        let (mask, mtl) = (png(alpha), b"newmtl m\nKd 1 1 1\nmap_d mask.png\n");
+        let files = [
+            ("m/a.obj", obj.as_bytes()),
+            ("m/a.mtl", &mtl[..]),
+            ("m/mask.png", &mask),
+        ];
+        let (scene, diags) = load_files(&files);
+        assert!(diags.is_empty(), "{diags:#?}");
+        let material = &scene.materials[scene.meshes[0].slot_material(0).expect("a material").index()];
+        assert_eq!(material.opacity.alpha.texture.map(|t| t.1), Some(channel), "{alpha:?}");
+    }
+}
+
 /// What Blender 5.0.1 wrote of principled surfaces whose values are known.
 #[test]
 fn blenders_dialect_gives_its_surface_back() {
