@@ -3,7 +3,7 @@
 use super::flatten::Leaf;
 use super::materials::Materials;
 use super::motion;
-use super::winding::turn_outward;
+use super::winding::{Solids, turn_outward};
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::math::robust::try_normalize_f64;
 use crate::render::geometry::{GeomObject, LightMap, MeshData};
@@ -166,8 +166,8 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
                 let mut data = mesh_data(mesh);
                 if key.1 {
                     let material = |slot: u32| materials.get(slot as usize).copied();
-                    let turned = turn_outward(&mut data, |slot| material(slot).is_some_and(is_solid));
-                    tell_turned(turned, mesh, leaf, diags);
+                    let found = turn_outward(&mut data, |slot| material(slot).is_some_and(is_solid));
+                    tell_solids(found, mesh, leaf, diags);
                 }
                 self.meshes.push(data);
                 let index = self.meshes.len() as u32 - 1;
@@ -414,15 +414,23 @@ fn box_face(world: &DAffine3, min: DVec3, max: DVec3, face: u32) -> (DVec3, DVec
     if upper != mirrored { (p0, a, b) } else { (p0, b, a) }
 }
 
-/// Tells that faces of a solid looked inward; it is drawn as if they did not.
-fn tell_turned(turned: usize, mesh: &Mesh, leaf: &Leaf<'_>, diags: &mut Diagnostics) {
-    if turned > 0 {
-        let all = mesh.triangles.len();
+/// Tells that faces of a solid looked inward (it is drawn as if they did not), and of glass that encloses nothing.
+fn tell_solids(found: Solids, mesh: &Mesh, leaf: &Leaf<'_>, diags: &mut Diagnostics) {
+    let mut tell = |d: Diagnostic| diags.push(super::at_place(d, &leaf.object.place));
+    if found.turned > 0 {
+        let (turned, all, name) = (found.turned, mesh.triangles.len(), &mesh.name);
+        tell(Diagnostic::note(
+            "C0108",
+            format!("{turned} of {all} faces of \"{name}\" look into the solid; they are turned outward"),
+        ));
+    }
+    if found.open_edges > 0 {
         let message = format!(
-            "{turned} of {all} faces of \"{}\" look into the solid; they are turned outward",
-            mesh.name
+            "the glass of \"{}\" is not closed ({} open edges): what enters it need not leave it again",
+            mesh.name, found.open_edges
         );
-        diags.push(super::at_place(Diagnostic::note("C0108", message), &leaf.object.place));
+        let hint = "give it a wall on all sides, or draw it as a thin sheet (--glass thin for glTF)";
+        tell(Diagnostic::note("C0109", message).hint(hint));
     }
 }
 
