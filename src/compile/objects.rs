@@ -90,7 +90,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         };
         let mut object = GeomObject::new(engine, material);
         object.visibility = visibility;
-        let emits = self.materials.materials[material as usize].emits_front;
+        let emits = self.materials.materials[material as usize].is_light();
         if emits && leaf.visibility.indirect {
             let first = self.lights.len();
             let lights = self.shape_lights(&object.shape, material);
@@ -188,7 +188,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
     ) {
         let object = self.objects.len() as u32;
         let first = self.lights.len();
-        let emitting = |m: &u32| self.materials.materials[*m as usize].emits_front;
+        let emitting = |m: &u32| self.materials.materials[*m as usize].is_light();
         let lights = if materials.iter().any(emitting) && visibility & ray_mask::INDIRECT != 0 {
             let data = &self.meshes[mesh as usize];
             let flipped = data.flip_winding != (world.matrix3.determinant() < 0.0);
@@ -300,7 +300,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
 
 /// Whether what a light gives must be looked up where it is sampled: its texture, or how much of it is there.
 fn varies(m: &Material) -> bool {
-    m.emission.texture.is_some() || m.alpha != Alpha::Opaque
+    m.emission_varies() || m.alpha != Alpha::Opaque
 }
 
 fn bits(v: Visibility) -> u8 {

@@ -14,6 +14,7 @@ pub use input::{ColorInput, ScalarInput};
 use super::bsdf::Bsdf;
 use super::bsdf::diffuse::{Diffuse, OrenNayar, Translucent};
 use super::bsdf::microfacet::Ggx;
+use super::bsdf::principled::Clearcoat;
 use super::bsdf::specular::Specular;
 use super::surface::Attributes;
 use super::technique::{FresnelModel, Technique};
@@ -21,7 +22,7 @@ use super::texture::Textures;
 use super::wavelength::Wavelength;
 use crate::math::frame::Frame;
 use crate::math::portable::sin_cos_turns;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use models::{chance, dielectric_coat, is_rough_solid, roughness_to_alpha};
 use normal::{bumped_normal, mapped_normal, visible_normal};
 
@@ -69,13 +70,23 @@ pub struct PrincipledInputs {
     pub thick: bool,
     pub clearcoat: ScalarInput,
     pub clearcoat_roughness: ScalarInput,
+    /// The coat's own; the interpolated normal without one.
+    pub clearcoat_normal: Option<NormalMap>,
+    /// Whether the coat's normal may differ from that of what lies below.
+    pub coat_apart: bool,
     pub sheen_color: ColorInput,
     pub sheen_roughness: ScalarInput,
     pub anisotropy: ScalarInput,
     /// Radians, counter-clockwise from the tangent.
     pub anisotropy_rotation: f32,
+    /// Index of a data texture; its red and green, 2t − 1, stand for the tangent before the rotation.
+    pub anisotropy_direction: Option<u32>,
     pub diffuse_transmission: ScalarInput,
     pub diffuse_transmission_color: ColorInput,
+    pub iridescence: ScalarInput,
+    pub iridescence_ior: f32,
+    /// nm.
+    pub iridescence_thickness: ScalarInput,
 }
 
 /// POV-Ray's pigment and finish, see the fields of the same names in `scene`.
@@ -166,6 +177,8 @@ pub struct Material {
     pub emits_front: bool,
     /// Whether the other side emits.
     pub emits_back: bool,
+    /// Seen by the camera and in mirrors only: all other light passes it by.
+    pub unlit: bool,
     /// Coverage.
     pub alpha: Alpha,
     /// Perturbs the shading normal.
@@ -208,6 +221,7 @@ impl Material {
             emission: ColorInput::BLACK,
             emits_front: true,
             emits_back: true,
+            unlit: false,
             alpha: Alpha::Opaque,
             normal_map: None,
             bump_map: None,
@@ -222,6 +236,17 @@ impl Material {
     /// Whether it emits at all.
     pub fn is_emissive(&self) -> bool {
         !self.emission.is_black() && (self.emits_front || self.emits_back)
+    }
+
+    /// Whether other surfaces get light from it.
+    pub fn is_light(&self) -> bool {
+        self.emits_front && !self.unlit
+    }
+
+    /// Whether its emission differs from point to point or by direction.
+    pub fn emission_varies(&self) -> bool {
+        let is_coated = matches!(&self.surface, SurfaceModel::Principled(p) if !p.clearcoat.is_nothing());
+        self.emission.texture.is_some() || is_coated
     }
 
     /// Whether [`Material::straight_transmittance`] can be anything but zero; false spares shadow rays the look-up.
@@ -336,10 +361,18 @@ impl Material {
         self.ior_at(cx.wavelength) / cx.outer_ior
     }
 
-    /// Emitted radiance at a point, seen from the front or the back.
-    pub fn emission(&self, cx: &Shading<'_>, front: bool) -> Vec3 {
+    /// Emitted radiance at a point, seen from the front or the back under this cosine to the normal. A coat lets through what
+    /// it does not reflect.
+    pub fn emission(&self, cx: &Shading<'_>, front: bool, cos: f32) -> Vec3 {
         if if front { self.emits_front } else { self.emits_back } {
-            self.emission.eval(cx.textures, cx.attrs)
+            let below = self.emission.eval(cx.textures, cx.attrs);
+            match &self.surface {
+                SurfaceModel::Principled(p) if !p.clearcoat.is_nothing() => {
+                    let strength = p.clearcoat.unit(cx);
+                    below * (1.0 - Clearcoat::new(strength, None).reflectance(cos))
+                }
+                _ => below,
+            }
         } else {
             Vec3::ZERO
         }
@@ -414,7 +447,48 @@ impl Material {
     ///
     /// `ng` and `ns` are the surface's geometric and interpolated normals, on one side; `wo` points to the viewer, on
     /// either side. The normal is bent such that `wo` and its mirror direction lie on the viewer's side of the surface.
+    ///
+    /// Of a coated surface it is the coat's frame, see [`Material::lean_of_base`].
     pub fn shading_frame(&self, cx: &Shading<'_>, ng: Vec3, ns: Vec3, wo: Vec3) -> Frame {
+        let n = match self.coat_apart(cx) {
+            Some(p) => {
+                let map = p.clearcoat_normal.as_ref();
+                kept_visible(ng, map.and_then(|map| mapped_normal(map, cx, ns)).unwrap_or(ns), wo)
+            }
+            None => self.normal(cx, ng, ns, wo),
+        };
+        match &self.surface {
+            SurfaceModel::Principled(p) if !p.anisotropy.is_nothing() && p.anisotropy.unit(cx) > 0.0 => {
+                anisotropic_frame(p, cx, n)
+            }
+            _ => Frame::from_normal(n),
+        }
+    }
+
+    /// x and y, in the frame of [`Material::shading_frame`], of the normal of what lies below a coat that has another one;
+    /// zero where the two are one.
+    pub fn lean_of_base(&self, cx: &Shading<'_>, frame: &Frame, ng: Vec3, ns: Vec3, wo: Vec3) -> Vec2 {
+        if self.coat_apart(cx).is_none() {
+            return Vec2::ZERO;
+        }
+        let n = self.normal(cx, ng, ns, wo);
+        let local = frame.to_local(n);
+        if n == frame.n || local.z <= 0.0 {
+            return Vec2::ZERO;
+        }
+        local.truncate()
+    }
+
+    /// The inputs of a surface whose coat has, at this point, a normal of its own.
+    fn coat_apart(&self, cx: &Shading<'_>) -> Option<&PrincipledInputs> {
+        match &self.surface {
+            SurfaceModel::Principled(p) if p.coat_apart && p.clearcoat.unit(cx) > 0.0 => Some(p),
+            _ => None,
+        }
+    }
+
+    /// The shading normal of all but the coat.
+    fn normal(&self, cx: &Shading<'_>, ng: Vec3, ns: Vec3, wo: Vec3) -> Vec3 {
         let mut n = ns;
         if let Some(map) = &self.normal_map {
             n = mapped_normal(map, cx, ns).unwrap_or(ns);
@@ -426,26 +500,38 @@ impl Material {
             let scale = if is_behind { -map.scale } else { map.scale };
             n = bumped_normal(&BumpMap { scale, ..*map }, cx, n).unwrap_or(n);
         }
-        if n != ng {
-            n = if ng.dot(wo) < 0.0 {
-                -visible_normal(-ng, -n, wo)
-            } else {
-                visible_normal(ng, n, wo)
-            };
-        }
-        match &self.surface {
-            SurfaceModel::Principled(p) if !p.anisotropy.is_nothing() && p.anisotropy.unit(cx) > 0.0 => {
-                let frame = Frame::from_normal_and_tangent(n, cx.attrs.tangent);
-                let turns = p.anisotropy_rotation / std::f32::consts::TAU;
-                let (s, c) = sin_cos_turns(turns - turns.floor());
-                let bitangent = if frame.b.dot(cx.attrs.bitangent) < 0.0 {
-                    -frame.b
-                } else {
-                    frame.b
-                };
-                Frame::from_normal_and_tangent(n, frame.t * c + bitangent * s)
-            }
-            _ => Frame::from_normal(n),
+        kept_visible(ng, n, wo)
+    }
+}
+
+/// The normal bent such that `wo` and its mirror direction lie on one side of the surface; `ng` itself as it is.
+fn kept_visible(ng: Vec3, n: Vec3, wo: Vec3) -> Vec3 {
+    if n == ng {
+        n
+    } else if ng.dot(wo) < 0.0 {
+        -visible_normal(-ng, -n, wo)
+    } else {
+        visible_normal(ng, n, wo)
+    }
+}
+
+/// The frame about `n` whose x axis is the direction of more roughness: the texture's, in terms of tangent and bitangent,
+/// turned by the rotation.
+fn anisotropic_frame(p: &PrincipledInputs, cx: &Shading<'_>, n: Vec3) -> Frame {
+    let frame = Frame::from_normal_and_tangent(n, cx.attrs.tangent);
+    let turns = p.anisotropy_rotation / std::f32::consts::TAU;
+    let (s, c) = sin_cos_turns(turns - turns.floor());
+    let bitangent = if frame.b.dot(cx.attrs.bitangent) < 0.0 {
+        -frame.b
+    } else {
+        frame.b
+    };
+    let mut along = Vec2::new(c, s);
+    if let Some(texture) = p.anisotropy_direction {
+        let t = cx.textures.eval(texture, cx.attrs).truncate().truncate() * 2.0 - Vec2::ONE;
+        if t != Vec2::ZERO {
+            along = along.rotate(t);
         }
     }
+    Frame::from_normal_and_tangent(n, frame.t * along.x + bitangent * along.y)
 }

@@ -5,7 +5,7 @@
 //! whole is lossless at every view, and it is symmetric in its directions.
 
 use super::diffuse::sample_cosine_beside;
-use super::energy::{coat_albedo, coat_mean, fresnel_mean, schlick_albedo, schlick_mean};
+use super::energy::{coat_albedo, coat_mean, facets_albedo, facets_mean, fresnel_mean};
 use super::fresnel::{fresnel_dielectric, reflect, schlick};
 use super::microfacet::Ggx;
 use super::specular::mirrored;
@@ -39,23 +39,23 @@ impl Coat {
         }
     }
 
-    /// Directional albedo of rough facets.
-    fn albedo(&self, cos: f32, alpha: f32) -> Vec3 {
+    /// Directional albedo of rough facets, seen along `w`.
+    fn albedo(&self, w: Vec3, ggx: Ggx) -> Vec3 {
         match *self {
-            Coat::Dielectric { eta } => Vec3::splat(coat_albedo(cos, alpha, eta)),
+            Coat::Dielectric { eta } => Vec3::splat(coat_albedo(w.z.abs(), ggx.alpha(), eta)),
             Coat::Schlick { f0, f90 } => {
-                let (base, edge) = schlick_albedo(cos, alpha);
+                let (base, edge) = facets_albedo(ggx, w);
                 f0 * base + Vec3::splat(f90 * edge)
             }
         }
     }
 
     /// Mean of [`Coat::albedo`] over views.
-    fn mean(&self, alpha: f32) -> Vec3 {
+    fn mean(&self, ggx: Ggx) -> Vec3 {
         match *self {
-            Coat::Dielectric { eta } => Vec3::splat(coat_mean(alpha, eta)),
+            Coat::Dielectric { eta } => Vec3::splat(coat_mean(ggx.alpha(), eta)),
             Coat::Schlick { f0, f90 } => {
-                let (base, edge) = schlick_mean(alpha);
+                let (base, edge) = facets_mean(ggx);
                 f0 * base + Vec3::splat(f90 * edge)
             }
         }
@@ -100,12 +100,12 @@ pub struct Glossy {
 }
 
 impl Glossy {
-    /// Share of light that facets hide from one another and nobody gets, seen under this cosine.
-    fn lost(&self, cos: f32) -> f32 {
+    /// Share of light that facets hide from one another and nobody gets, seen along `w`.
+    fn lost(&self, w: Vec3) -> f32 {
         if self.compensated {
             return 0.0;
         }
-        let (base, edge) = schlick_albedo(cos, self.ggx.alpha());
+        let (base, edge) = facets_albedo(self.ggx, w);
         (1.0 - base - edge).clamp(0.0, 1.0)
     }
 
@@ -114,26 +114,26 @@ impl Glossy {
         if self.compensated {
             return 0.0;
         }
-        let (base, edge) = schlick_mean(self.ggx.alpha());
+        let (base, edge) = facets_mean(self.ggx);
         (1.0 - base - edge).clamp(0.0, 1.0)
     }
 
-    fn coat_albedo(&self, cos: f32) -> f32 {
-        self.coat.albedo(cos, self.ggx.alpha()).max_element().clamp(0.0, 1.0)
+    fn coat_albedo(&self, w: Vec3) -> f32 {
+        self.coat.albedo(w, self.ggx).max_element().clamp(0.0, 1.0)
     }
 
     /// f·|cosθi| and the density of `wi`.
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         let (wo, wi) = facing_up(wo, wi);
-        let eo = self.coat_albedo(wo.z);
+        let eo = self.coat_albedo(wo);
         let (coat, front, back) = shares(eo, self.base, self.back);
         let cosine = wi.z.abs() * INV_PI;
-        let mut mean = self.coat.mean(self.ggx.alpha()).max_element();
-        let (mut eo, mut ei) = (eo, self.coat_albedo(wi.z.abs()));
+        let mut mean = self.coat.mean(self.ggx).max_element();
+        let (mut eo, mut ei) = (eo, self.coat_albedo(wi));
         if !self.compensated {
             mean += self.mean_lost();
-            eo += self.lost(wo.z);
-            ei += self.lost(wi.z.abs());
+            eo += self.lost(wo);
+            ei += self.lost(wi);
         }
         let base = base_factor(eo, ei, mean) * cosine;
         if wi.z > 0.0 {
@@ -148,7 +148,7 @@ impl Glossy {
     /// A visible facet's mirror direction, or one by the cosine on either side.
     pub fn sample(&self, wo: Vec3, u: Vec2, u_lobe: f32) -> Option<BsdfSample> {
         let (up, _) = facing_up(wo, wo);
-        let (coat, front, _) = shares(self.coat_albedo(up.z), self.base, self.back);
+        let (coat, front, _) = shares(self.coat_albedo(up), self.base, self.back);
         let wi = if u_lobe < coat {
             reflect(up, self.ggx.sample_visible(up, u))
         } else if u_lobe < coat + front {
@@ -164,8 +164,8 @@ impl Glossy {
 
     /// Directional albedo.
     pub fn albedo(&self, wo: Vec3) -> Vec3 {
-        let e = self.coat.albedo(wo.z.abs(), self.ggx.alpha());
-        e + (self.base + self.back) * (1.0 - e.max_element() - self.lost(wo.z.abs())).max(0.0)
+        let e = self.coat.albedo(wo, self.ggx);
+        e + (self.base + self.back) * (1.0 - e.max_element() - self.lost(wo)).max(0.0)
     }
 }
 
