@@ -5,6 +5,7 @@ use super::materials::Materials;
 use super::motion;
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::math::robust::try_normalize_f64;
+use crate::render::bend::{Bend, Form};
 use crate::render::geometry::{GeomObject, LightMap, MeshData};
 use crate::render::light::{DiscLight, Light, ParallelogramLight, SphereLight, TriangleLight};
 use crate::render::material::{Alpha, Material};
@@ -15,6 +16,7 @@ use crate::render::surface::Surface;
 use crate::scene::{MaterialId, Mesh, MeshId, Scene, Shape, Visibility};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Collects objects, meshes and the lights among them.
 pub struct Objects<'a, 'm, 'i> {
@@ -161,6 +163,8 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
             }
         };
         let world = world * DAffine3::from_translation(mesh.center);
+        let bends = self.meshes[index as usize].bend.is_some();
+        let motion = motion.or_else(|| bends.then(|| Box::new(Motion::still())));
         self.place_mesh(index, (world, motion), materials, visibility);
     }
 
@@ -174,7 +178,9 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         let object = self.objects.len() as u32;
         let first = self.lights.len();
         let emitting = |m: &u32| self.materials.materials[*m as usize].emits_front;
-        let lights = if materials.iter().any(emitting) && visibility & ray_mask::INDIRECT != 0 {
+        // Nobody can aim at a face that changes its form: rays find it by chance.
+        let bends = self.meshes[mesh as usize].bend.is_some();
+        let lights = if !bends && materials.iter().any(emitting) && visibility & ray_mask::INDIRECT != 0 {
             let data = &self.meshes[mesh as usize];
             let flipped = data.flip_winding != (world.matrix3.determinant() < 0.0);
             let mut table = vec![Surface::NOT_A_LIGHT; data.triangles.len()];
@@ -406,8 +412,22 @@ fn mesh_data(mesh: &Mesh) -> MeshData {
         triangles: mesh.triangles.clone(),
         face_materials: mesh.face_materials.clone(),
         flip_winding: mesh.flip_winding,
+        bend: bend_of(mesh),
         ..MeshData::default()
     }
+}
+
+fn bend_of(mesh: &Mesh) -> Option<Arc<Bend>> {
+    if !mesh.bends() {
+        return None;
+    }
+    let form = |positions: &[Vec3], normals: &[Vec3]| Form {
+        positions: positions.to_vec(),
+        normals: normals.to_vec(),
+    };
+    let later = mesh.later.iter().map(|f| form(&f.positions, &f.normals));
+    let forms = std::iter::once(form(&mesh.positions, &mesh.normals)).chain(later);
+    Bend::new(forms.collect()).map(Arc::new)
 }
 
 impl Loose {

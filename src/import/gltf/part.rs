@@ -1,9 +1,11 @@
 //! A primitive's data on its way into a mesh: mending what is not finite, and joining parts of like layout.
 
 use super::Loader;
+use super::deform::Form;
 use crate::diag::Anomaly;
-use crate::scene::{MaterialId, Mesh, mend_normals};
+use crate::scene::{MaterialId, Mesh, MeshForm, mend_normals};
 use glam::{DVec3, Vec2, Vec3, Vec4};
+use std::borrow::Cow;
 
 /// One primitive with everything applied; optional attributes are empty or have one value per vertex.
 #[derive(Default)]
@@ -16,6 +18,8 @@ pub(super) struct Part {
     pub triangles: Vec<[u32; 3]>,
     pub material: Option<MaterialId>,
     pub flip_winding: bool,
+    /// Its form at later moments while the shutter is open, if it changes.
+    pub later: Vec<Form>,
     pub dropped: u64,
 }
 
@@ -33,6 +37,28 @@ impl Part {
         pick(&mut self.tangents, order);
         pick(&mut self.colors, order);
         self.uvs.iter_mut().for_each(|set| pick(set, order));
+        for (positions, normals) in &mut self.later {
+            pick(positions, order);
+            pick(normals, order);
+        }
+    }
+
+    /// Its form at later moment `k`; where faces got normals of their own, those of the bent faces.
+    fn form(&self, k: usize) -> (&[DVec3], Cow<'_, [Vec3]>) {
+        let Some((positions, normals)) = self.later.get(k) else {
+            return (&self.positions, Cow::Borrowed(&self.normals));
+        };
+        if normals.len() == self.normals.len() {
+            return (positions, Cow::Borrowed(normals));
+        }
+        let mut flat = vec![Vec3::ZERO; self.normals.len()];
+        let side = if self.flip_winding { -1.0 } else { 1.0 };
+        for face in &self.triangles {
+            let [a, b, c] = face.map(|v| positions[v as usize]);
+            let normal = ((b - a).cross(c - a) * side).normalize_or_zero().as_vec3();
+            face.iter().for_each(|v| flat[*v as usize] = normal);
+        }
+        (positions, Cow::Owned(flat))
     }
 
     /// Parts with the same layout can share a mesh.
@@ -92,7 +118,15 @@ fn join_like(parts: Vec<Part>, name: &str) -> Option<Mesh> {
     let mut mesh = Mesh::from_f64(name, &positions, &[])?;
     drop(positions);
     let mut first = 0;
+    let moments = parts.iter().map(|p| p.later.len()).max().unwrap_or(0);
+    mesh.later = vec![MeshForm::default(); moments];
     for part in parts {
+        for (k, form) in mesh.later.iter_mut().enumerate() {
+            let (positions, normals) = part.form(k);
+            let center = mesh.center;
+            form.positions.extend(positions.iter().map(|p| (*p - center).as_vec3()));
+            form.normals.extend(normals.iter());
+        }
         let slot = mesh
             .materials
             .iter()
