@@ -1,14 +1,18 @@
-//! Makes the models of the gallery: `cargo run --example make_models [folder]` (default `scenes/models`).
+//! Makes the models of the gallery and of the golden pictures: `cargo run --example make_models [folder]` (default `.`, the
+//! repository's root).
 //! Everything is computed, nothing downloaded; the files are committed so that the gallery renders as it is.
 
 mod support;
 
-use support::{glb::Glb, lathe, shapes, skies, textures, write_obj};
+use support::{features, glb::Glb, grids, lathe, shapes, skies, textures, write_obj};
 
 fn main() -> std::io::Result<()> {
-    let folder = std::env::args().nth(1).unwrap_or_else(|| "scenes/models".into());
-    let folder = std::path::Path::new(&folder);
+    let root = std::env::args().nth(1).unwrap_or_else(|| ".".into());
+    let root = std::path::Path::new(&root);
+    let folder = &root.join("scenes/models");
     std::fs::create_dir_all(folder)?;
+    grids::write(&root.join("scenes/extensions"))?;
+    features::write(&root.join("tests/golden/features"))?;
 
     let gold = "Kd 0.95 0.68 0.32\nKs 0.95 0.68 0.32\nNs 250\nPm 1\nPr 0.25\nillum 2";
     write_obj(folder, "knot", "gold", gold, &shapes::knot(2, 3, 180, 14))?;

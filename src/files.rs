@@ -4,7 +4,7 @@
 //! opened, which proves that what a scene does not use is not loaded.
 
 use std::collections::BTreeMap;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
@@ -53,12 +53,12 @@ impl Files for DiskFiles {
                 "is {found} bytes long, at most {most} are read"
             )));
         }
-        let data = std::fs::read(path)?;
+        let data = read_whole(path, meta.len())?;
         self.opened
             .lock()
             .unwrap_or_else(|e| e.into_inner())
             .push(path.to_owned());
-        Ok(data.into())
+        Ok(data)
     }
 
     fn exists(&self, path: &Path) -> bool {
@@ -89,6 +89,21 @@ impl Files for DiskFiles {
 
     fn opened(&self) -> Vec<PathBuf> {
         self.opened.lock().unwrap_or_else(|e| e.into_inner()).clone()
+    }
+}
+
+/// The content of a file of (most likely) `length` bytes, which is held only once.
+fn read_whole(path: &Path, length: u64) -> io::Result<Arc<[u8]>> {
+    let mut file = std::fs::File::open(path)?;
+    let length = usize::try_from(length).map_err(io::Error::other)?;
+    let mut data: Arc<[u8]> = std::iter::repeat_n(0, length).collect();
+    let buffer = Arc::get_mut(&mut data).unwrap_or(&mut []);
+    let is_whole = file.read_exact(buffer).is_ok() && file.read(&mut [0])? == 0;
+    // Devices and files that change have another length than they say.
+    if is_whole {
+        Ok(data)
+    } else {
+        Ok(std::fs::read(path)?.into())
     }
 }
 

@@ -47,6 +47,10 @@ pub struct LoadOptions {
     pub gltf_scene: Option<String>,
     /// Which material variant of a bare glTF.
     pub variant: Option<String>,
+    /// Whether a glTF, bare or in a text scene, may read files outside its own folder.
+    pub allow_outside: bool,
+    /// How materials of a glTF, bare or in a text scene, that transmit are drawn.
+    pub glass: gltf::Glass,
 }
 
 /// The three families of scene files.
@@ -70,7 +74,8 @@ pub fn load(
 ) -> Option<Scene> {
     let scene = match kind_of(path, files, diags)? {
         Kind::Text => {
-            let models = |request: &lang::ModelRequest, diags: &mut Diagnostics| load_model(request, files, diags);
+            let models =
+                |request: &lang::ModelRequest, diags: &mut Diagnostics| load_model(request, files, options, diags);
             let texts = &Remembered::new(files);
             let reader = Reader {
                 path,
@@ -91,7 +96,10 @@ pub fn load(
                 variant: options.variant.clone(),
                 clock: options.clock,
                 shutter: options.shutter.unwrap_or(0.0),
-                ..gltf::GltfOptions::default()
+                allow_outside: options.allow_outside,
+                glass: options.glass,
+                node: None,
+                node_is_origin: false,
             };
             gltf::load(path, files, &options, diags)
         }
@@ -119,7 +127,12 @@ fn note_stillness(scene: &Scene, options: &LoadOptions, diags: &mut Diagnostics)
 }
 
 /// Reads a model that a text scene asks for.
-fn load_model(request: &lang::ModelRequest, files: &dyn Files, diags: &mut Diagnostics) -> Option<Scene> {
+fn load_model(
+    request: &lang::ModelRequest,
+    files: &dyn Files,
+    options: &LoadOptions,
+    diags: &mut Diagnostics,
+) -> Option<Scene> {
     match request.kind {
         lang::ModelKind::Gltf => {
             let wanted = &request.options;
@@ -129,6 +142,8 @@ fn load_model(request: &lang::ModelRequest, files: &dyn Files, diags: &mut Diagn
                 node: wanted.node.clone(),
                 node_is_origin: wanted.node_is_origin,
                 clock: wanted.clock,
+                allow_outside: options.allow_outside,
+                glass: options.glass,
                 ..gltf::GltfOptions::default()
             };
             gltf::load(&request.path, files, &options, diags)

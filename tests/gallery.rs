@@ -25,11 +25,27 @@ fn gallery() -> Vec<String> {
     names
 }
 
+/// The grids of glTF's material extensions.
+fn extensions() -> Vec<String> {
+    let entries = fs::read_dir(scenes::path("scenes/extensions")).expect("the grids");
+    let names = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names
+        .filter(|n| n.ends_with(".gltf"))
+        .map(|n| format!("scenes/extensions/{n}"))
+        .collect();
+    names.sort();
+    assert!(names.len() >= 15, "{names:?}");
+    names
+}
+
 #[test]
 fn every_scene_opens_with_a_comment_and_loads_without_warnings() {
-    for name in gallery() {
+    for name in gallery().into_iter().chain(extensions()) {
         let text = fs::read_to_string(scenes::path(&name)).expect("readable");
-        assert!(text.starts_with("//"), "{name} does not say what it shows");
+        assert!(
+            text.starts_with("//") || name.ends_with(".gltf"),
+            "{name} does not say what it shows"
+        );
         let (mut sources, mut diags) = (SourceMap::default(), Diagnostics::default());
         let scene = load(
             &scenes::path(&name),
@@ -53,7 +69,7 @@ fn every_scene_opens_with_a_comment_and_loads_without_warnings() {
 
 #[test]
 fn every_scene_renders_without_anomalies() {
-    for name in gallery() {
+    for name in gallery().into_iter().chain(extensions()) {
         let shot = scenes::ready(&name, &[], [32, 24]).shoot(&Settings::new(32, 24, 8));
         let mean: f32 = shot.picture.rgb.iter().flatten().sum::<f32>() / (3.0 * 32.0 * 24.0);
         assert!(mean > 0.005 && mean < 20.0, "{name}: mean {mean}");

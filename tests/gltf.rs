@@ -12,5 +12,7 @@ mod geometry;
 mod malformed;
 #[path = "gltf/materials.rs"]
 mod materials;
+#[path = "gltf/packed.rs"]
+mod packed;
 #[path = "gltf/scenes.rs"]
 mod scenes;

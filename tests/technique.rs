@@ -233,6 +233,7 @@ fn shining_square() -> Scene {
             height: 2,
             data: TEXELS.to_vec().into(),
         },
+        fallback: None,
         place: Place::None,
     });
     let texture = scene.add_texture(Texture::Image(ImageTexture {

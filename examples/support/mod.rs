@@ -1,7 +1,10 @@
 //! What `make_models` needs: surfaces as grids of points, an OBJ writer, and (in the submodules) shapes, textures,
 //! skies and a GLB writer. Models are right-handed, y up, as both formats want it.
 
+pub mod features;
 pub mod glb;
+pub mod gltf;
+pub mod grids;
 pub mod lathe;
 pub mod shapes;
 pub mod skies;

@@ -58,3 +58,30 @@ pub fn cuboid(size: [f64; 3]) -> Surface {
     }
     s
 }
+
+/// A ball about the origin, poles on the y axis, u once around from +z by +x; the seam closes to the bit.
+pub fn ball(radius: f64, around: u32, down: u32) -> Surface {
+    let mut s = Surface::default();
+    for j in 0..=down {
+        for i in 0..=around {
+            let (u, v) = (f64::from(i) / f64::from(around), f64::from(j) / f64::from(down));
+            let (sin, cos) = (TAU * f64::from(i % around) / f64::from(around)).sin_cos();
+            let ring = if j == 0 || j == down {
+                0.0
+            } else {
+                (0.5 * TAU * v).sin()
+            };
+            let n = DVec3::new(ring * sin, (0.5 * TAU * v).cos(), ring * cos);
+            s.positions.push(n * radius);
+            s.normals.push(n);
+            s.uvs.push(DVec2::new(u, v));
+        }
+    }
+    for j in 0..down {
+        for i in 0..around {
+            let a = j * (around + 1) + i;
+            s.quads.push([a + around + 1, a + around + 2, a + 1, a]);
+        }
+    }
+    s
+}

@@ -2,7 +2,9 @@
 
 use super::animation::Moment;
 use super::camera::CameraChoice;
-use super::choices::{Aov, ColorKind, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind, ViewName};
+use super::choices::{
+    Aov, ColorKind, GlassChoice, HeatmapKind, OutputFormat, ProgressKind, ReportFormat, ToneMapKind, ViewName,
+};
 use super::values::{self, Forced, Resolution};
 use crate::compile::effects::Effect;
 use clap::{Args, Parser, Subcommand};
@@ -248,6 +250,13 @@ pub struct LoadArgs {
     /// Which material variant of a bare glTF to show, by name.
     #[arg(long, value_name = "NAME", help_heading = SCENE)]
     pub variant: Option<String>,
+    /// Let a glTF read buffers and images outside its own folder. For models that you trust.
+    #[arg(long, help_heading = SCENE)]
+    pub allow_outside: bool,
+    /// How glass of a glTF is drawn: by the specification, all solid (what Blender shows of glass that it exports without
+    /// thickness), or all as thin sheets [default: as-written].
+    #[arg(long, value_name = "HOW", help_heading = SCENE)]
+    pub glass: Option<GlassChoice>,
     /// Where in an animation it is read; decided by the flags of the animation.
     #[arg(skip)]
     pub moment: Option<Moment>,

@@ -1,5 +1,6 @@
 //! The words that flags choose from; their explanations are part of the long help.
 
+use crate::import::gltf::Glass;
 use clap::ValueEnum;
 
 /// How `check` tells mistakes.
@@ -9,6 +10,37 @@ pub enum ReportFormat {
     Human,
     /// One JSON document.
     Json,
+}
+
+/// How glass of a glTF is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum GlassChoice {
+    /// Solid where it has a volume with a thickness, else a thin sheet without refraction.
+    AsWritten,
+    /// Solid: it refracts.
+    Solid,
+    /// Thin sheets, which let light straight through.
+    Thin,
+}
+
+impl GlassChoice {
+    /// The word of the flag.
+    pub fn word(self) -> &'static str {
+        match self {
+            GlassChoice::AsWritten => "as-written",
+            GlassChoice::Solid => "solid",
+            GlassChoice::Thin => "thin",
+        }
+    }
+
+    /// The same for the front end.
+    pub fn glass(self) -> Glass {
+        match self {
+            GlassChoice::AsWritten => Glass::AsWritten,
+            GlassChoice::Solid => Glass::Solid,
+            GlassChoice::Thin => Glass::Thin,
+        }
+    }
 }
 
 /// What a heat map of two images shows.

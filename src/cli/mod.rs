@@ -107,12 +107,17 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// A panic is a mistake of this program, never of the scene: say so in one line. Debug builds keep the details.
+/// A panic is a mistake of this program, never of the scene: say so in one line. Debug builds keep the details. Those
+/// of guarded decoders are told by whoever guards them.
 fn install_panic_hook() {
-    if cfg!(debug_assertions) {
-        return;
-    }
-    std::panic::set_hook(Box::new(|info| {
+    let detailed = cfg!(debug_assertions).then(std::panic::take_hook);
+    std::panic::set_hook(Box::new(move |info| {
+        if crate::diag::is_guarded() {
+            return;
+        }
+        if let Some(hook) = &detailed {
+            return hook(info);
+        }
         let payload = info.payload();
         let text = payload.downcast_ref::<&str>().copied();
         let message = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));

@@ -6,6 +6,7 @@ use super::console::Console;
 use crate::diag::{Diagnostic, Diagnostics, SourceMap};
 use crate::files::{DiskFiles, Files};
 use crate::import::framing;
+use crate::import::gltf::Glass;
 use crate::load::{self, LoadOptions, STDIN_NAME, StdinFiles};
 use crate::scene::{Environment, EnvironmentKind, Handedness, Image, ImageId, ImageSource, Place, Scene};
 use glam::{DMat3, DVec3};
@@ -39,6 +40,8 @@ pub fn load_options(args: &LoadArgs, size: [Option<u32>; 2]) -> LoadOptions {
         shutter: args.moment.and_then(|m| m.shutter).or(args.shutter),
         frame: args.moment.map(|m| m.frame),
         gltf_scene: args.gltf_scene.clone(),
+        allow_outside: args.allow_outside,
+        glass: args.glass.map_or(Glass::AsWritten, |g| g.glass()),
         variant: args.variant.clone(),
     }
 }
@@ -115,6 +118,7 @@ fn replace_environment(scene: &mut Scene, view: &ViewArgs) {
         scene.images.push(Image {
             name: path.display().to_string(),
             source: ImageSource::File(path.clone()),
+            fallback: None,
             place: Place::None,
         });
         EnvironmentKind::Image {

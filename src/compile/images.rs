@@ -3,11 +3,13 @@
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::files::Files;
 use crate::math::color::linear_from_srgb;
-use crate::pictures::{self, Limits, Picture, Texels};
+use crate::pictures::{self, Cost, Limits, Picture, Texels};
 use crate::render::texture::ImageData;
 use crate::scene::{Image, ImageId, ImageSource};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A decoded environment: width, height, linear radiance row by row from the top left.
 pub type Radiance = (u32, u32, Vec<[f32; 3]>);
@@ -24,6 +26,24 @@ pub struct Images<'a> {
     data: Vec<ImageData>,
     /// The environment's picture.
     sky: Option<(ImageId, Picture)>,
+    /// Bytes of the textures decoded so far, and of their files.
+    decoded_bytes: u64,
+    encoded_bytes: u64,
+}
+
+/// Bytes that the textures of any scene may take, and how many more for each byte of their files. Packed pictures of
+/// one colour reach a thousandfold; what artists make stays far below (a smooth JPEG about fiftyfold).
+const TEXTURE_BYTES: (u64, u64) = (768 << 20, 64);
+
+/// A texture's file in memory, on the way to being decoded.
+struct Encoded<'a> {
+    id: ImageId,
+    image: &'a Image,
+    name: Cow<'a, str>,
+    bytes: Arc<[u8]>,
+    cost: Cost,
+    /// Why it is not the preferred file.
+    warning: Option<Diagnostic>,
 }
 
 /// A decoded image that the engine does not have yet, and what is known of it.
@@ -45,10 +65,12 @@ impl<'a> Images<'a> {
             places: BTreeMap::new(),
             data: Vec::new(),
             sky: None,
+            decoded_bytes: 0,
+            encoded_bytes: 0,
         }
     }
 
-    /// Decodes all of these side by side. What cannot be read costs one warning each.
+    /// Decodes all of these side by side, as many at a time as the bound on their memory allows. What cannot be read costs one warning each.
     pub fn decode_all(&mut self, wanted: &[ImageId], diags: &mut Diagnostics) {
         let mut new: Vec<ImageId> = wanted
             .iter()
@@ -57,28 +79,122 @@ impl<'a> Images<'a> {
             .collect();
         new.sort();
         new.dedup();
-        let decoded: Vec<_> = new.par_iter().map(|id| self.decode_texture(*id)).collect();
-        for (id, result) in new.into_iter().zip(decoded) {
-            let place = match result {
-                Ok((image, bad)) => {
-                    self.tell_bad(id, bad, diags);
-                    image
+        let encoded: Vec<_> = new.par_iter().map(|id| (*id, self.encoded(*id))).collect();
+        let mut to_do = Vec::new();
+        for (id, result) in encoded {
+            match result.and_then(|file| self.admit(file)) {
+                Ok(file) => to_do.push(file),
+                Err(d) => self.fail(id, d, diags),
+            }
+        }
+        while !to_do.is_empty() {
+            let mut peak = 0u64;
+            let fits = to_do.iter().take_while(|file| {
+                peak = peak.saturating_add(file.cost.peak);
+                peak <= self.most_bytes()
+            });
+            let now = fits.count().max(1);
+            let batch: Vec<Encoded> = to_do.drain(..now).collect();
+            let decoded: Vec<_> = batch
+                .into_par_iter()
+                .map(|file| (file.id, self.decode_texture(file)))
+                .collect();
+            for (id, result) in decoded {
+                match result {
+                    Ok((image, bad, warning)) => {
+                        self.tell_bad(id, bad, diags);
+                        warning.into_iter().for_each(|d| diags.push(d));
+                        self.decoded.insert(id, image);
+                    }
+                    Err(d) => self.fail(id, d, diags),
                 }
-                Err(d) => {
-                    diags.push(d.hint("the picture is made without this image"));
-                    None
-                }
-            };
-            self.decoded.insert(id, place);
+            }
         }
     }
 
-    /// An image with what is known of it, and the number of texels that were not finite.
-    fn decode_texture(&self, id: ImageId) -> Result<(Option<Decoded>, u64), Diagnostic> {
-        let mut picture = self.decode(id)?;
+    fn fail(&mut self, id: ImageId, d: Diagnostic, diags: &mut Diagnostics) {
+        diags.push(d.hint("the picture is made without this image"));
+        self.decoded.insert(id, None);
+    }
+
+    /// Bytes that the textures may take, by the bytes of their files so far.
+    fn most_bytes(&self) -> u64 {
+        TEXTURE_BYTES
+            .0
+            .saturating_add(self.encoded_bytes.saturating_mul(TEXTURE_BYTES.1))
+    }
+
+    /// Counts a file among those to be decoded, if their memory is in proportion to their files.
+    fn admit<'f>(&mut self, file: Encoded<'f>) -> Result<Encoded<'f>, Diagnostic> {
+        self.encoded_bytes += file.bytes.len() as u64;
+        let (most, all) = (self.most_bytes(), self.decoded_bytes.saturating_add(file.cost.result));
+        if all.max(file.cost.peak) > most {
+            let message = format!(
+                "the image takes {} MiB to decode; with it the images would take more than {} MiB, \
+                 out of proportion to their files of {} MiB",
+                file.cost.peak >> 20,
+                most >> 20,
+                self.encoded_bytes >> 20
+            );
+            let d = Diagnostic::warning("I0104", message).in_place(file.name.to_string());
+            return Err(referred_to(d.hint("scale it down"), file.image));
+        }
+        self.decoded_bytes = all;
+        Ok(file)
+    }
+
+    /// The file of a texture: the preferred one, unless its header cannot be read and there is another.
+    fn encoded(&self, id: ImageId) -> Result<Encoded<'a>, Diagnostic> {
+        let image = self.image(id)?;
+        let of = |source| {
+            let (name, bytes) = self.file(image, source)?;
+            // What has a broken header costs nothing; decoding tells what is wrong with it.
+            let cost = pictures::cost(&bytes, &name, Limits::default());
+            Ok((name, bytes, cost))
+        };
+        let first: Result<_, Diagnostic> = of(&image.source);
+        let is_sound = matches!(&first, Ok((_, _, Some(_)))) || matches!(image.source, ImageSource::Pixels { .. });
+        let (found, warning) = match (&image.fallback, first) {
+            (Some(fallback), first) if !is_sound => {
+                let why = first.and_then(|(name, bytes, _)| decode_file(image, &name, &bytes).map(|_| ()));
+                (of(fallback)?, why.err().map(|d| d.hint(INSTEAD)))
+            }
+            (_, first) => (first?, None),
+        };
+        let (name, bytes, cost) = found;
+        Ok(Encoded {
+            id,
+            image,
+            name,
+            bytes,
+            cost: cost.unwrap_or(Cost { result: 0, peak: 0 }),
+            warning,
+        })
+    }
+
+    /// An image with what is known of it, the number of texels that were not finite, and what was wrong with it.
+    fn decode_texture(&self, file: Encoded) -> Result<(Option<Decoded>, u64, Option<Diagnostic>), Diagnostic> {
+        let mut warning = file.warning;
+        let mut picture = match &file.image.source {
+            ImageSource::Pixels { .. } => self.decode(file.id)?,
+            _ => match (decode_file(file.image, &file.name, &file.bytes), &file.image.fallback) {
+                (Err(d), Some(fallback)) if warning.is_none() => {
+                    let (name, bytes) = self.file(file.image, fallback)?;
+                    warning = Some(d.hint(INSTEAD));
+                    decode_file(file.image, &name, &bytes)?
+                }
+                (result, _) => result?,
+            },
+        };
         let bad = zero_where(picture.texels.floats_mut(), |v| !v.is_finite());
         let uniform = picture.texels.uniform();
         let is_8_bit = matches!(picture.texels, Texels::Gray8(_) | Texels::Rgb8(_) | Texels::Rgba8(_));
+        let bytes = picture.texels.len() as u64 * picture.texels.bytes_per_texel() as u64;
+        if uniform == [true; 4] {
+            // Any look-up gives the one colour, whatever the size.
+            picture.texels.truncate(1);
+            (picture.width, picture.height) = (1, 1);
+        }
         let image = ImageData::new(picture.width, picture.height, picture.texels).map(|data| {
             let known = |srgb: bool| {
                 let first = data.texel(0, 0, srgb).to_array();
@@ -86,12 +202,12 @@ impl<'a> Images<'a> {
             };
             Decoded {
                 uniform: [known(false), known(true)],
-                bytes: data.bytes(),
+                bytes,
                 is_8_bit,
                 data: Some(data),
             }
         });
-        Ok((image, bad))
+        Ok((image, bad, warning))
     }
 
     /// The place of an image among the engine's, if it was decoded; from now on the engine has it.
@@ -208,30 +324,46 @@ impl<'a> Images<'a> {
         }
     }
 
+    fn image(&self, id: ImageId) -> Result<&'a Image, Diagnostic> {
+        let missing = || Diagnostic::warning("I0101", format!("image number {} does not exist", id.0));
+        self.images.get(id.index()).ok_or_else(missing)
+    }
+
     fn decode(&self, id: ImageId) -> Result<Picture, Diagnostic> {
-        let Some(image) = self.images.get(id.index()) else {
-            return Err(Diagnostic::warning(
-                "I0101",
-                format!("image number {} does not exist", id.0),
-            ));
-        };
-        let result = match &image.source {
-            ImageSource::Pixels { width, height, data } => Ok(Picture {
+        let image = self.image(id)?;
+        if let ImageSource::Pixels { width, height, data } = &image.source {
+            return Ok(Picture {
                 width: *width,
                 height: *height,
                 texels: Texels::RgbF32(data.to_vec()),
-            }),
-            ImageSource::Bytes(bytes) => pictures::decode(bytes, &image.name, Limits::default()),
-            ImageSource::File(path) => match self.files.read(path) {
-                Ok(bytes) => pictures::decode(&bytes, &path.to_string_lossy(), Limits::default()),
-                Err(e) => Err(
-                    Diagnostic::warning("I0102", format!("cannot read image \"{}\": {e}", path.display()))
-                        .hint("check the name and that the file lies where the scene says"),
-                ),
-            },
-        };
-        result.map_err(|d| referred_to(d, image))
+            });
+        }
+        let (name, bytes) = self.file(image, &image.source)?;
+        decode_file(image, &name, &bytes)
     }
+
+    /// The encoded bytes of an image, with the name that messages give them; none of one made by the program.
+    fn file(&self, image: &'a Image, source: &'a ImageSource) -> Result<(Cow<'a, str>, Arc<[u8]>), Diagnostic> {
+        match source {
+            ImageSource::Pixels { .. } => Ok((image.name.as_str().into(), Arc::new([]))),
+            ImageSource::Bytes(bytes) => Ok((image.name.as_str().into(), bytes.clone())),
+            ImageSource::File(path) => match self.files.read(path) {
+                Ok(bytes) => Ok((path.to_string_lossy(), bytes)),
+                Err(e) => {
+                    let message = format!("cannot read image \"{}\": {e}", path.display());
+                    let d = Diagnostic::warning("I0102", message);
+                    let hint = "check the name and that the file lies where the scene says";
+                    Err(referred_to(d.hint(hint), image))
+                }
+            },
+        }
+    }
+}
+
+const INSTEAD: &str = "the model has the image in another format as well; that is used instead";
+
+fn decode_file(image: &Image, name: &str, bytes: &[u8]) -> Result<Picture, Diagnostic> {
+    pictures::decode(bytes, name, Limits::default()).map_err(|d| referred_to(d, image))
 }
 
 /// Sets numbers that are `bad` to 0. Returns how many texels had one.
@@ -251,4 +383,90 @@ fn referred_to(mut d: Diagnostic, image: &Image) -> Diagnostic {
         d = super::at_place(d, &image.place);
     }
     d
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::MemoryFiles;
+
+    const KTX2: &[u8] = include_bytes!("../../tests/pictures/ramp-rgb-uastc.ktx2");
+
+    fn png() -> Vec<u8> {
+        let mut out = std::io::Cursor::new(Vec::new());
+        let picture = image::RgbImage::from_fn(3, 2, |x, y| image::Rgb([x as u8, y as u8, 9]));
+        picture.write_to(&mut out, image::ImageFormat::Png).unwrap();
+        out.into_inner()
+    }
+
+    fn image(source: &[u8], fallback: Option<&[u8]>) -> Image {
+        Image {
+            name: "skin".to_owned(),
+            source: ImageSource::Bytes(source.into()),
+            fallback: fallback.map(|b| ImageSource::Bytes(b.into())),
+            place: crate::scene::Place::Model("a.gltf: images[0]".to_owned()),
+        }
+    }
+
+    /// Columns of the picture that the engine gets, and the diagnostics.
+    fn decoded(image: Image) -> (Option<u32>, Diagnostics) {
+        let (images, files, mut diags) = ([image], MemoryFiles::default(), Diagnostics::default());
+        let mut decoder = Images::new(&images, &files);
+        decoder.decode_all(&[ImageId(0)], &mut diags);
+        let place = decoder.place(ImageId(0));
+        let data = decoder.into_data();
+        (place.map(|p| data[p as usize].width()), diags)
+    }
+
+    #[test]
+    fn the_fallback_serves_where_the_preferred_file_is_broken() {
+        let png = png();
+        let (width, diags) = decoded(image(KTX2, Some(&png)));
+        assert_eq!((width, diags.iter().count()), (Some(18), 0));
+        let cut_body = &KTX2[..KTX2.len() - 100];
+        let cut_header = &KTX2[..30];
+        for broken in [cut_body, cut_header, b"RIFF not WebP"] {
+            let (width, diags) = decoded(image(broken, Some(&png)));
+            assert_eq!((width, diags.iter().count()), (Some(3), 1), "{diags:?}");
+            assert!(!diags.has_errors());
+            assert_eq!(decoded(image(broken, None)).0, None);
+        }
+    }
+
+    #[test]
+    fn a_picture_of_one_colour_takes_one_texel() {
+        let mut out = std::io::Cursor::new(Vec::new());
+        let flat = image::RgbImage::from_pixel(64, 64, image::Rgb([1, 2, 3]));
+        flat.write_to(&mut out, image::ImageFormat::Png).unwrap();
+        assert_eq!(decoded(image(&out.into_inner(), None)).0, Some(1));
+    }
+
+    #[test]
+    fn pictures_out_of_proportion_to_their_files_are_left_out() {
+        let (images, files) = ([image(KTX2, None)], MemoryFiles::default());
+        let mut decoder = Images::new(&images, &files);
+        let file = |result, peak, bytes: usize| Encoded {
+            id: ImageId(0),
+            image: &images[0],
+            name: "skin".into(),
+            bytes: vec![0; bytes].into(),
+            cost: Cost { result, peak },
+            warning: None,
+        };
+        let (base, each) = TEXTURE_BYTES;
+        assert!(
+            decoder.admit(file(base, base, 10)).is_ok(),
+            "any scene may have that much"
+        );
+        let refused = decoder.admit(file(each * 20 + 1, 0, 10)).err().unwrap();
+        assert_eq!(refused.code, "I0104");
+        assert!(
+            decoder.admit(file(each * 20, each * 20, 0)).is_ok(),
+            "what the files allow"
+        );
+        assert!(
+            decoder.admit(file(0, base + each * 20 + 1, 0)).is_err(),
+            "while it is decoded, too"
+        );
+    }
 }

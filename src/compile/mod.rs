@@ -15,6 +15,7 @@ mod media;
 mod motion;
 mod objects;
 pub mod prune;
+mod winding;
 
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::files::Files;

@@ -3,6 +3,7 @@
 use super::flatten::Leaf;
 use super::materials::Materials;
 use super::motion;
+use super::winding::turn_outward;
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::math::robust::try_normalize_f64;
 use crate::render::bend::{Bend, Form};
@@ -23,7 +24,8 @@ pub struct Objects<'a, 'm, 'i> {
     scene: &'a Scene,
     origin: DVec3,
     materials: &'m mut Materials<'a, 'i>,
-    meshes_known: BTreeMap<MeshId, u32>,
+    /// By whether their solids are turned outward, which only refracting materials ask for.
+    meshes_known: BTreeMap<(MeshId, bool), u32>,
     /// Loose triangles by visibility and motion, made into one mesh each at the end.
     loose: BTreeMap<(u8, Vec<u64>), Loose>,
     /// The engine's objects.
@@ -112,7 +114,12 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
                 continue;
             }
             let world = DAffine3::from_translation(mesh.center - self.origin);
-            self.meshes.push(mesh_data(&mesh));
+            let mut data = mesh_data(&mesh);
+            let is_solid = |m: u32| self.materials.materials[m as usize].interior;
+            turn_outward(&mut data, |slot| {
+                materials.get(slot as usize).is_some_and(|m| is_solid(*m))
+            });
+            self.meshes.push(data);
             self.place_mesh(self.meshes.len() as u32 - 1, (world, motion), materials, visibility);
         }
     }
@@ -125,7 +132,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
                 read[mesh as usize] |= object.materials.iter().any(reads);
             }
         }
-        for (id, &index) in self.meshes_known.iter().filter(|(_, i)| read[**i as usize]) {
+        for ((id, _), &index) in self.meshes_known.iter().filter(|(_, i)| read[**i as usize]) {
             if let Some(mesh) = self.scene.meshes.get(id.index()) {
                 let data = &mut self.meshes[index as usize];
                 (data.uvs, data.tangents, data.colors) = (mesh.uvs.clone(), mesh.tangents.clone(), mesh.colors.clone());
@@ -150,15 +157,23 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         }
         let slots = mesh.materials.len().max(1) as u32;
         let pick = |slot| leaf.override_material.or(mesh.slot_material(slot)).or(own);
-        let materials = (0..slots).map(|s| self.materials.get(pick(s), true, diags)).collect();
-        let index = match self.meshes_known.get(&id) {
+        let materials: Vec<u32> = (0..slots).map(|s| self.materials.get(pick(s), true, diags)).collect();
+        let is_solid = |m: u32| self.materials.materials[m as usize].interior;
+        let key = (id, materials.iter().any(|m| is_solid(*m)));
+        let index = match self.meshes_known.get(&key) {
             Some(&index) => index,
             None => {
                 // Whoever made the mesh has told where it has faces without area.
                 diags.count_anomaly(Anomaly::DroppedFace, mesh.dropped_faces);
-                self.meshes.push(mesh_data(mesh));
+                let mut data = mesh_data(mesh);
+                if key.1 {
+                    let material = |slot: u32| materials.get(slot as usize).copied();
+                    let turned = turn_outward(&mut data, |slot| material(slot).is_some_and(is_solid));
+                    tell_turned(turned, mesh, leaf, diags);
+                }
+                self.meshes.push(data);
                 let index = self.meshes.len() as u32 - 1;
-                self.meshes_known.insert(id, index);
+                self.meshes_known.insert(key, index);
                 index
             }
         };
@@ -403,6 +418,18 @@ fn box_face(world: &DAffine3, min: DVec3, max: DVec3, face: u32) -> (DVec3, DVec
     let mirrored = world.matrix3.determinant() < 0.0;
     let p0 = world.transform_point3(corner);
     if upper != mirrored { (p0, a, b) } else { (p0, b, a) }
+}
+
+/// Tells that faces of a solid looked inward; it is drawn as if they did not.
+fn tell_turned(turned: usize, mesh: &Mesh, leaf: &Leaf<'_>, diags: &mut Diagnostics) {
+    if turned > 0 {
+        let all = mesh.triangles.len();
+        let message = format!(
+            "{turned} of {all} faces of \"{}\" look into the solid; they are turned outward",
+            mesh.name
+        );
+        diags.push(super::at_place(Diagnostic::note("C0108", message), &leaf.object.place));
+    }
 }
 
 fn mesh_data(mesh: &Mesh) -> MeshData {

@@ -5,8 +5,10 @@
 //! lines (glTF), a path inside that file such as `meshes[3].primitives[0].attributes.POSITION`.
 
 mod anomalies;
+mod guard;
 
 pub use anomalies::{Anomalies, Anomaly};
+pub use guard::{guarded, is_guarded};
 
 use std::sync::Arc;
 

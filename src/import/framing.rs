@@ -64,6 +64,7 @@ pub fn frame(scene: &mut Scene, aspect: f64) -> Option<Diagnostic> {
                 height: studio::HEIGHT,
                 data: studio::picture().into(),
             },
+            fallback: None,
             place: Place::None,
         });
         scene.environment = Environment {

@@ -62,7 +62,7 @@ impl Reader<'_> {
                 let key = (request.path.clone(), request.options.key());
                 let mut known = known.lock().unwrap_or_else(|e| e.into_inner());
                 let load = || {
-                    let model = load_model(request, self.files, diags)?;
+                    let model = load_model(request, self.files, self.options, diags)?;
                     Some(if plays && keeps_forms {
                         model
                     } else {

@@ -1,8 +1,8 @@
 //! Bytes of any supported image format to a [`Picture`], with bounded memory and without panics.
 
-use super::decode_exr;
 use super::{Picture, Texels};
-use crate::diag::Diagnostic;
+use super::{decode_exr, decode_ktx2};
+use crate::diag::{Diagnostic, guarded};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 use std::io::Cursor;
 
@@ -26,7 +26,7 @@ impl Default for Limits {
 }
 
 /// The formats [`decode`] reads, as error messages list them.
-pub(super) const READABLE: &str = "PNG, JPEG, WebP, BMP, TGA, GIF, PNM, Radiance HDR and OpenEXR";
+pub(super) const READABLE: &str = "PNG, JPEG, WebP, KTX2, BMP, TGA, GIF, PNM, Radiance HDR and OpenEXR";
 
 /// Decodes an image. The format is told by its first bytes, for TGA (which has no signature) by the ending of
 /// `name`, which is otherwise only used in messages. Of an animation the first frame is taken, of an OpenEXR
@@ -36,9 +36,8 @@ pub(super) const READABLE: &str = "PNG, JPEG, WebP, BMP, TGA, GIF, PNM, Radiance
 pub fn decode(bytes: &[u8], name: &str, limits: Limits) -> Result<Picture, Diagnostic> {
     // The decoders are other people's code fed with bytes we do not control: a panic in one of them is
     // reported like any other damage.
-    let attempt = std::panic::catch_unwind(|| decode_unguarded(bytes, name, limits));
-    attempt
-        .unwrap_or_else(|_| Err(damaged("image", "the decoder stopped on inconsistent data")))
+    guarded(|| decode_unguarded(bytes, name, limits))
+        .unwrap_or_else(|| Err(damaged("image", "the decoder stopped on inconsistent data")))
         .map_err(|d| d.in_place(name))
 }
 
@@ -49,13 +48,59 @@ fn decode_unguarded(bytes: &[u8], name: &str, limits: Limits) -> Result<Picture,
     if bytes.starts_with(&EXR_MAGIC) {
         return decode_exr::decode(bytes, limits);
     }
-    let format = match image::guess_format(bytes) {
-        Ok(format) if format.reading_enabled() => format,
-        Ok(format) => return Err(unsupported(&format!("{format:?}").to_uppercase())),
-        Err(_) if has_extension(name, "tga") => ImageFormat::Tga,
-        Err(_) => return Err(unknown(bytes)),
+    if bytes.starts_with(&decode_ktx2::MAGIC) {
+        return decode_ktx2::decode(bytes, limits);
+    }
+    decode_with_image(bytes, format_of(bytes, name)?, limits)
+}
+
+/// The format of anything else.
+fn format_of(bytes: &[u8], name: &str) -> Result<ImageFormat, Diagnostic> {
+    match image::guess_format(bytes) {
+        Ok(format) if format.reading_enabled() => Ok(format),
+        Ok(format) => Err(unsupported(&format!("{format:?}").to_uppercase())),
+        Err(_) if has_extension(name, "tga") => Ok(ImageFormat::Tga),
+        Err(_) => Err(unknown(bytes)),
+    }
+}
+
+/// What decoding costs, by what the header of the file says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cost {
+    /// Bytes of the texels.
+    pub result: u64,
+    /// Bytes that the decoder holds at its peak, the result included; an estimate from above.
+    pub peak: u64,
+}
+
+/// What [`decode`] would cost; `None` if the header cannot be read. Nothing of that size is allocated.
+pub fn cost(bytes: &[u8], name: &str, limits: Limits) -> Option<Cost> {
+    // Progressive JPEG keeps 16-bit coefficients, WebP its own colour planes, a GIF a canvas, the OpenEXR library blocks.
+    let with = |result: u64, halves: u64| Cost {
+        result,
+        peak: (result / 2).saturating_mul(halves),
     };
-    decode_with_image(bytes, format, limits)
+    let measure = || -> Result<Cost, Diagnostic> {
+        if bytes.starts_with(&EXR_MAGIC) {
+            let headers = decode_exr::headers(bytes, limits)?;
+            let texels = headers.iter().map(|h| h.layer_size.area() as u64).max();
+            return Ok(with(texels.unwrap_or(0).saturating_mul(16), 3));
+        }
+        if bytes.starts_with(&decode_ktx2::MAGIC) {
+            let (width, height, texel) = decode_ktx2::measure(bytes, limits)?;
+            return Ok(with(u64::from(width) * u64::from(height) * texel, 3));
+        }
+        let format = format_of(bytes, name)?;
+        let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder();
+        let decoder = decoder.map_err(|e| failed(label(format), e, limits))?;
+        let halves = match format {
+            ImageFormat::Jpeg => 6,
+            ImageFormat::WebP | ImageFormat::Gif => 4,
+            _ => 2,
+        };
+        Ok(with(decoder.total_bytes(), halves))
+    };
+    guarded(measure)?.ok()
 }
 
 /// The first bytes of every OpenEXR file.
@@ -97,17 +142,23 @@ fn texels_from(image: DynamicImage) -> Texels {
     match image {
         DynamicImage::ImageLuma8(i) => Texels::Gray8(i.into_raw()),
         DynamicImage::ImageLumaA8(i) => Texels::Rgba8(i.pixels().map(|p| [p[0], p[0], p[0], p[1]]).collect()),
-        DynamicImage::ImageRgb8(i) => Texels::Rgb8(i.pixels().map(|p| p.0).collect()),
-        DynamicImage::ImageRgba8(i) => Texels::Rgba8(i.pixels().map(|p| p.0).collect()),
+        DynamicImage::ImageRgb8(i) => Texels::Rgb8(pixels(i.into_raw())),
+        DynamicImage::ImageRgba8(i) => Texels::Rgba8(pixels(i.into_raw())),
         DynamicImage::ImageLuma16(i) => Texels::Gray16(i.into_raw()),
         DynamicImage::ImageLumaA16(i) => Texels::Rgba16(i.pixels().map(|p| [p[0], p[0], p[0], p[1]]).collect()),
-        DynamicImage::ImageRgb16(i) => Texels::Rgb16(i.pixels().map(|p| p.0).collect()),
-        DynamicImage::ImageRgba16(i) => Texels::Rgba16(i.pixels().map(|p| p.0).collect()),
-        DynamicImage::ImageRgb32F(i) => Texels::RgbF32(i.pixels().map(|p| p.0).collect()),
-        DynamicImage::ImageRgba32F(i) => Texels::RgbaF32(i.pixels().map(|p| p.0).collect()),
+        DynamicImage::ImageRgb16(i) => Texels::Rgb16(pixels(i.into_raw())),
+        DynamicImage::ImageRgba16(i) => Texels::Rgba16(pixels(i.into_raw())),
+        DynamicImage::ImageRgb32F(i) => Texels::RgbF32(pixels(i.into_raw())),
+        DynamicImage::ImageRgba32F(i) => Texels::RgbaF32(pixels(i.into_raw())),
         // `DynamicImage` may grow; its own conversion serves whatever it grows.
         other => Texels::RgbaF32(other.into_rgba32f().pixels().map(|p| p.0).collect()),
     }
+}
+
+/// N numbers a texel, without a copy where the allocation allows that.
+pub(super) fn pixels<T: bytemuck::Pod, const N: usize>(mut numbers: Vec<T>) -> Vec<[T; N]> {
+    numbers.truncate(numbers.len() / N * N);
+    bytemuck::allocation::try_cast_vec(numbers).unwrap_or_else(|(_, numbers)| numbers.as_chunks::<N>().0.to_vec())
 }
 
 fn label(format: ImageFormat) -> &'static str {
@@ -176,14 +227,15 @@ fn unsupported(format: &str) -> Diagnostic {
 /// Bytes that no decoder claims: tells what they are where that can be seen.
 fn unknown(bytes: &[u8]) -> Diagnostic {
     let at = |offset: usize, signature: &[u8]| bytes.get(offset..).is_some_and(|b| b.starts_with(signature));
-    let known: [(usize, &[u8], &str); 10] = [
-        (0, b"\xabKTX 20", "KTX2"),
+    let known: [(usize, &[u8], &str); 11] = [
         (0, b"\xabKTX 11", "KTX"),
         (0, b"DDS ", "DDS"),
         (0, b"8BPS", "Photoshop (PSD)"),
         (0, b"\x00\x00\x00\x0cjP  ", "JPEG 2000"),
         (0, b"\xff\x4f\xff\x51", "JPEG 2000"),
         (4, b"ftypheic", "HEIC"),
+        (4, b"ftypavif", "AVIF"),
+        (4, b"ftypavis", "AVIF"),
         (0, b"\xff\x0a", "JPEG XL"),
         (0, b"\x00\x00\x00\x0cJXL ", "JPEG XL"),
         (0, b"%PDF", "PDF"),

@@ -2,7 +2,7 @@
 
 use super::decode::{Limits, damaged};
 use super::decode_exr::{LABEL, headers};
-use crate::diag::Diagnostic;
+use crate::diag::{Diagnostic, guarded};
 use exr::image::FlatSamples;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{ReadChannels, ReadLayers, read};
@@ -65,8 +65,8 @@ impl ExrImage {
 /// Reads every flat channel of the file. All parts of the first one's size are taken; resolution levels other
 /// than the largest are not. Errors carry no place; the caller knows the file's name.
 pub fn read_channels(bytes: &[u8], limits: Limits) -> Result<ExrImage, Diagnostic> {
-    let attempt = std::panic::catch_unwind(|| read_channels_unguarded(bytes, limits));
-    attempt.unwrap_or_else(|_| Err(damaged(LABEL, "the decoder stopped on inconsistent data")))
+    guarded(|| read_channels_unguarded(bytes, limits))
+        .unwrap_or_else(|| Err(damaged(LABEL, "the decoder stopped on inconsistent data")))
 }
 
 fn read_channels_unguarded(bytes: &[u8], limits: Limits) -> Result<ExrImage, Diagnostic> {

@@ -8,6 +8,7 @@
 pub mod colormap;
 mod decode;
 mod decode_exr;
+mod decode_ktx2;
 mod encode_exr;
 mod error;
 mod exr_channels;
@@ -19,7 +20,7 @@ pub mod ppm;
 mod quantize;
 mod uniform;
 
-pub use decode::{Limits, decode};
+pub use decode::{Cost, Limits, cost, decode};
 pub use error::EncodeError;
 pub use picture::{Picture, Texels};
 pub use quantize::{Quantized, Transfer, quantize};

@@ -67,6 +67,25 @@ impl Texels {
         texels.chunks_exact_mut(channels)
     }
 
+    /// Keeps the first `count`, and no memory for the others.
+    pub fn truncate(&mut self, count: usize) {
+        fn cut<T>(texels: &mut Vec<T>, count: usize) {
+            texels.truncate(count);
+            texels.shrink_to_fit();
+        }
+        match self {
+            Texels::Gray8(t) => cut(t, count),
+            Texels::Rgb8(t) => cut(t, count),
+            Texels::Rgba8(t) => cut(t, count),
+            Texels::Gray16(t) => cut(t, count),
+            Texels::Rgb16(t) => cut(t, count),
+            Texels::Rgba16(t) => cut(t, count),
+            Texels::GrayF32(t) => cut(t, count),
+            Texels::RgbF32(t) => cut(t, count),
+            Texels::RgbaF32(t) => cut(t, count),
+        }
+    }
+
     /// Bytes that one texel takes in memory.
     pub fn bytes_per_texel(&self) -> usize {
         match self {

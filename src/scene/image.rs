@@ -39,6 +39,8 @@ pub struct Image {
     pub name: String,
     /// Its bytes.
     pub source: ImageSource,
+    /// The same picture in a format that more programs read, taken where `source` cannot be decoded.
+    pub fallback: Option<ImageSource>,
     /// Where it was referred to.
     pub place: Place,
 }

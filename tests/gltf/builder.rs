@@ -55,6 +55,16 @@ impl Model {
         m
     }
 
+    /// A `.glb` taken apart.
+    pub fn from_glb(bytes: &[u8]) -> Model {
+        let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+        let bin = 20 + word(12);
+        let mut json: Value = serde_json::from_slice(&bytes[20..bin]).unwrap();
+        json["buffers"].take();
+        let bin = bytes[bin + 8..].to_vec();
+        Model { json, bin }
+    }
+
     /// Appends an element to a table and returns its index.
     pub fn push(&mut self, table: &str, element: Value) -> usize {
         if self.json[table].is_null() {

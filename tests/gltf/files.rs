@@ -3,7 +3,7 @@
 use crate::builder::*;
 use pts::diag::Severity;
 use pts::files::{Files, MemoryFiles};
-use pts::import::gltf::GltfOptions;
+use pts::import::gltf::{Glass, GltfOptions};
 use pts::scene::ImageSource;
 use serde_json::json;
 use std::path::Path;
@@ -123,4 +123,102 @@ fn a_byte_order_mark_and_float_counts_are_tolerated() {
     files.insert("model.gltf", text);
     let (scene, diags) = load_from(&files, "model.gltf", &GltfOptions::default());
     assert!(scene.is_some() && diags.is_empty(), "{diags:?}");
+}
+
+#[test]
+fn the_best_format_that_is_read_comes_first_and_the_plain_image_is_its_fallback() {
+    let base = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    let sources = |texture: serde_json::Value| {
+        let mut m = Model::with_texture(base.clone());
+        m.json["images"] = json!([{"uri": "data:,png"}, {"uri": "data:,webp"}, {"uri": "data:,ktx2"}, {"uri": "gone"}]);
+        m.json["textures"][0] = texture;
+        let image = m.load().images.remove(0);
+        let text = |source: ImageSource| match source {
+            ImageSource::Bytes(bytes) => String::from_utf8(bytes.to_vec()).unwrap(),
+            other => panic!("{other:?}"),
+        };
+        (text(image.source), image.fallback.map(text))
+    };
+    let webp = json!({"EXT_texture_webp": {"source": 1}});
+    let both = json!({"EXT_texture_webp": {"source": 1}, "KHR_texture_basisu": {"source": 2}});
+    let avif = json!({"EXT_texture_avif": {"source": 1}});
+    let gone = json!({"KHR_texture_basisu": {"source": 3}});
+    let some = |s: &str| Some(s.to_owned());
+    assert_eq!(sources(json!({"source": 0})), ("png".into(), None));
+    assert_eq!(
+        sources(json!({"source": 0, "extensions": webp})),
+        ("webp".into(), some("png"))
+    );
+    assert_eq!(sources(json!({"extensions": webp})), ("webp".into(), None));
+    assert_eq!(
+        sources(json!({"source": 0, "extensions": both})),
+        ("ktx2".into(), some("png"))
+    );
+    assert_eq!(sources(json!({"source": 0, "extensions": avif})), ("png".into(), None));
+    assert_eq!(sources(json!({"source": 0, "extensions": gone})), ("png".into(), None));
+}
+
+#[test]
+fn whatever_is_wrong_with_a_texture_costs_the_texture_and_one_warning() {
+    let base = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
+    for (pointer, value) in [
+        ("/textures/0/source", json!(7)),
+        ("/textures/0/source", json!("x")),
+        ("/textures/0/sampler", json!(3)),
+        ("/images/0/uri", json!("data:image/png;base64,***")),
+        ("/images/0/uri", json!("../outside.png")),
+        ("/images/0/uri", json!("https://example.org/a.png")),
+        ("/images/0/uri", json!(5)),
+        ("/images/0", json!({"bufferView": 9})),
+        ("/images/0", json!({})),
+        ("/materials/0/pbrMetallicRoughness/baseColorTexture/index", json!(1)),
+    ] {
+        let mut m = Model::with_texture(base.clone());
+        m.json["textures"][0]["sampler"] = json!(0);
+        m.json["samplers"] = json!([{}]);
+        *m.json.pointer_mut(pointer).unwrap() = value.clone();
+        let (scene, diags) = m.try_load(&GltfOptions::default());
+        let scene = scene.unwrap_or_else(|| panic!("{pointer} {value}: {diags:?}"));
+        assert_eq!(principled(&scene).base_color.texture, None, "{pointer} {value}");
+        assert_eq!(diags.iter().count(), 1, "{pointer} {value}: {diags:?}");
+        assert_eq!(scene.meshes.len(), 1);
+    }
+}
+
+#[test]
+fn glass_is_solid_or_thin_if_the_caller_says_so() {
+    let glass = |volume: serde_json::Value| {
+        let mut extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
+        if !volume.is_null() {
+            extensions["KHR_materials_volume"] = volume;
+        }
+        Model::with_material(json!({"extensions": extensions}))
+    };
+    let (thin, solid) = (
+        glass(json!(null)),
+        glass(json!({"thicknessFactor": 1, "attenuationDistance": 1,
+        "attenuationColor": [0.5, 0.5, 0.5]})),
+    );
+    for (choice, of_thin, of_solid) in [
+        (Glass::AsWritten, false, true),
+        (Glass::Solid, true, true),
+        (Glass::Thin, false, false),
+    ] {
+        for (model, thick) in [(&thin, of_thin), (&solid, of_solid)] {
+            let options = GltfOptions {
+                glass: choice,
+                ..GltfOptions::default()
+            };
+            let scene = model.try_load(&options).0.expect("it loads");
+            assert_eq!(principled(&scene).thick, thick, "{choice:?}");
+            let absorbs = scene.materials[0].interior != Default::default();
+            assert_eq!(absorbs, thick && std::ptr::eq(model, &solid), "{choice:?}");
+        }
+    }
+    let opaque = Model::with_material(json!({}));
+    let options = GltfOptions {
+        glass: Glass::Solid,
+        ..GltfOptions::default()
+    };
+    assert!(!principled(&opaque.try_load(&options).0.expect("it loads")).thick);
 }

@@ -114,7 +114,6 @@ const CASES: &[(&str, &str, &str)] = &[
         "G0402",
         "meshes[0].primitives[0].attributes.POSITION",
     ),
-    ("required-draco.gltf", "G0204", "extensionsRequired[0]"),
     ("required-unknown.gltf", "G0204", "extensionsRequired[1]"),
     ("rotation-of-length-zero.gltf", "G0505", "nodes[0].rotation"),
     ("scene-missing.gltf", "G0202", "scene"),

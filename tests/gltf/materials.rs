@@ -312,7 +312,7 @@ fn what_a_factor_of_zero_makes_invisible_is_not_read() {
 fn a_texture_without_readable_image_leaves_the_factor() {
     let base = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}});
     let mut m = Model::with_texture(base);
-    m.json["textures"][0] = json!({"extensions": {"KHR_texture_basisu": {"source": 0}}});
+    m.json["textures"][0] = json!({"extensions": {"EXT_texture_avif": {"source": 0}}});
     assert_eq!(m.codes(), ["G0704"]);
     assert_eq!(principled(&m.load()).base_color.texture, None);
     m.json["textures"][0] = json!({"extensions": {"EXT_texture_webp": {"source": 0}}});

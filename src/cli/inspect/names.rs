@@ -80,7 +80,7 @@ impl Names {
 }
 
 fn animation((name, seconds): &(String, f64)) -> String {
-    format!("{name} ({seconds} s)")
+    format!("{name} ({} s)", (seconds * 1e3).round() / 1e3)
 }
 
 fn list(names: &[String]) -> String {

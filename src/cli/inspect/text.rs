@@ -8,9 +8,12 @@ use crate::diag::SourceMap;
 use crate::math::words::{bytes, duration, grouped};
 use crate::render::kernel::tier::KernelTier;
 use crate::scene::Place;
+use std::path::Path;
 
 /// Causes of an effect that are told by name; the others are counted.
 const CAUSES_TOLD: usize = 3;
+/// Files that are told by name.
+const FILES_TOLD: usize = 12;
 
 impl Found {
     /// Sections of rows: what, then what there is to say about it.
@@ -65,7 +68,16 @@ impl Found {
         lines.push(row("kernel", kernel));
         let textures = format!("{} ({})", grouped(size.images), bytes(size.image_bytes));
         lines.push(row("textures", &textures));
-        lines.push(row("files read", &self.opened.join(", ")));
+        let files = self.opened.iter().take(FILES_TOLD);
+        lines.extend(
+            files
+                .enumerate()
+                .map(|(i, file)| row(if i == 0 { "files read" } else { "" }, file)),
+        );
+        if self.opened.len() > FILES_TOLD {
+            let more = grouped((self.opened.len() - FILES_TOLD) as u64);
+            lines.push(row("", &format!("and {more} more")));
+        }
         lines.extend(self.names.rows());
         if let Some(measured) = &self.measured {
             lines.push("measured".to_owned());
@@ -82,7 +94,28 @@ impl Found {
                 lines.push(row("", &format!("{}{hint}", prefix(at, sources))));
             }
         }
+        self.shorten(&mut lines[1..]);
         lines.join("\n") + "\n"
+    }
+
+    /// In a model all places are in one file, and the files it reads lie beside it: neither is told again in each line.
+    fn shorten(&self, lines: &mut [String]) {
+        let extension = Path::new(&self.name)
+            .extension()
+            .unwrap_or_default()
+            .to_ascii_lowercase();
+        if !["gltf", "glb", "obj"].iter().any(|e| extension == *e) {
+            return;
+        }
+        let here = format!("{}: ", self.name);
+        let folder = Path::new(&self.name).parent().filter(|f| *f != Path::new(""));
+        let folder = folder.map(|f| format!("{}/", f.display()));
+        for line in lines {
+            *line = line.replace(&here, "");
+            if let Some(folder) = &folder {
+                *line = line.replace(folder, "");
+            }
+        }
     }
 }
 

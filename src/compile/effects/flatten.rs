@@ -131,6 +131,7 @@ mod tests {
                 height: 1,
                 data,
             },
+            fallback: None,
             place: Default::default(),
         });
         let texture = scene.add_texture(image_texture(Encoding::Linear));

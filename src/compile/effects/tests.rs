@@ -135,6 +135,7 @@ fn scene(seed: u64) -> Scene {
             height: 1,
             data: vec![[0.5; 3]].into(),
         },
+        fallback: None,
         place: Place::None,
     });
     for i in 0..1 + rng.next_u32() % 5 {

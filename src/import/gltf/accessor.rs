@@ -1,12 +1,14 @@
 //! Accessors: typed numbers in views, with strides, normalisation and sparse replacements, all bounds checked.
 
 use super::Loader;
+use super::budget::Cost;
 use super::buffer::Blob;
 use crate::diag::Diagnostic;
 use gltf::json;
 use json::accessor::ComponentType;
 use json::validation::Checked;
-use std::collections::HashMap;
+use serde_json::Value;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 /// Numbers of an accessor, `components` per element.
@@ -46,12 +48,29 @@ pub(super) struct Wanted {
 pub(super) struct Cache {
     floats: HashMap<(usize, bool), Rc<Numbers>>,
     held: usize,
+    /// Accessors that several primitives refer to, found out when first asked for; only these are kept.
+    shared: Option<HashSet<usize>>,
+    /// What the accessors of the primitive at hand hold, where its Draco data say so; never kept in `floats`.
+    pub supplied: HashMap<usize, Supplied>,
+}
+
+/// Packed elements that take the place of an accessor's own.
+#[derive(Clone)]
+pub(super) struct Supplied {
+    /// Type of one component.
+    pub kind: ComponentType,
+    /// Components of an element.
+    pub components: usize,
+    /// Whether integers stand for fractions.
+    pub normalized: bool,
+    /// Elements.
+    pub count: usize,
+    /// All of them, without gaps.
+    pub bytes: Blob,
 }
 
 /// The cache is emptied beyond this many numbers.
 const CACHE_NUMBERS: usize = 1 << 26;
-/// Most numbers of an accessor without a view: nothing in the file bounds it.
-const MAX_ZEROS: u64 = 100_000_000;
 
 /// Elements at regular distances.
 struct Strided {
@@ -74,7 +93,8 @@ impl Loader<'_> {
     /// The numbers of accessor `index`, referred to at `at`, as f32; normalised integers become fractions.
     pub(super) fn floats(&mut self, index: usize, wanted: Wanted, at: &str) -> Option<Rc<Numbers>> {
         let key = (index, wanted.normalize);
-        if let Some(known) = self.accessors.floats.get(&key)
+        let supplied = self.accessors.supplied.contains_key(&index);
+        if let Some(known) = self.accessors.floats.get(&key).filter(|_| !supplied)
             && wanted.components.contains(&known.components)
         {
             return Some(known.clone());
@@ -87,12 +107,39 @@ impl Loader<'_> {
             components: source.components,
             values,
         });
+        if supplied || !self.is_shared(index) {
+            return Some(numbers);
+        }
         if self.accessors.held + numbers.values.len() > CACHE_NUMBERS {
-            self.accessors = Cache::default();
+            self.accessors.floats.clear();
+            self.accessors.held = 0;
         }
         self.accessors.held += numbers.values.len();
         self.accessors.floats.insert(key, numbers.clone());
         Some(numbers)
+    }
+
+    /// Whether more than one attribute of the file's meshes has the accessor's numbers.
+    fn is_shared(&mut self, index: usize) -> bool {
+        let doc = self.doc;
+        let shared = self.accessors.shared.get_or_insert_with(|| {
+            fn items(list: Option<&Value>) -> std::slice::Iter<'_, Value> {
+                list.and_then(Value::as_array).map_or(&[][..], Vec::as_slice).iter()
+            }
+            let primitives = items(doc.top("meshes")).flat_map(|mesh| items(mesh.get("primitives")));
+            let maps = primitives.flat_map(|p| p.get("attributes").into_iter().chain(items(p.get("targets"))));
+            let (mut met, mut shared) = (HashSet::new(), HashSet::new());
+            for accessor in maps.filter_map(Value::as_object).flat_map(|map| map.values()) {
+                let Some(index) = accessor.as_u64().and_then(|i| usize::try_from(i).ok()) else {
+                    continue;
+                };
+                if !met.insert(index) {
+                    shared.insert(index);
+                }
+            }
+            shared
+        });
+        shared.contains(&index)
     }
 
     /// The unsigned integers of accessor `index` (indices, joints), `components` per element.
@@ -112,6 +159,10 @@ impl Loader<'_> {
 
     /// Checks accessor `index` against its views.
     fn accessor(&mut self, index: usize, components: &[usize], at: &str) -> Option<Source> {
+        if let Some(supplied) = self.accessors.supplied.get(&index).cloned() {
+            self.check_width(index, supplied.components, components, at)?;
+            return Some(Source::from(supplied));
+        }
         let accessor: json::Accessor = self.doc.get(index, at, &mut self.report)?;
         let here = format!("accessors[{index}]");
         let (Checked::Valid(kind), Checked::Valid(shape)) = (accessor.component_type, accessor.type_) else {
@@ -120,32 +171,20 @@ impl Loader<'_> {
             return None;
         };
         let (kind, width) = (kind.0, shape.multiplicity());
-        if !components.contains(&width) {
-            let expected: Vec<String> = components.iter().map(usize::to_string).collect();
-            let message = format!(
-                "refers to accessor {index} with {width} components an element, expected {}",
-                expected.join(" or ")
-            );
-            self.report.error("G0402", at, message);
-            return None;
-        }
+        self.check_width(index, width, components, at)?;
         let count = accessor.count.0;
+        let numbers = count.saturating_mul(width as u64);
         let base = match accessor.buffer_view {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 Some(self.strided(view.value(), offset, count, width, kind, &here)?)
             }
-            None if count.saturating_mul(width as u64) <= MAX_ZEROS => None,
             None => {
-                let message = format!("{count} elements without a `bufferView`: nothing in the file holds them");
-                let d = Diagnostic::error("G0405", message);
-                self.report.push(
-                    &here,
-                    d.hint("the count is damaged, or a compressed model lost its data: export it again"),
-                );
-                return None;
+                self.afford(Cost::Zeros, numbers, &here)?;
+                None
             }
         };
+        self.afford(Cost::Numbers, numbers, &here)?;
         let sparse = match &accessor.sparse {
             Some(sparse) => Some(self.sparse(sparse, count, width, kind, &format!("{here}.sparse"))?),
             None => None,
@@ -158,6 +197,20 @@ impl Loader<'_> {
             base,
             sparse,
         })
+    }
+
+    /// Refuses an accessor of `width` components where others are wanted.
+    fn check_width(&mut self, index: usize, width: usize, wanted: &[usize], at: &str) -> Option<()> {
+        if wanted.contains(&width) {
+            return Some(());
+        }
+        let expected: Vec<String> = wanted.iter().map(usize::to_string).collect();
+        let message = format!(
+            "refers to accessor {index} with {width} components an element, expected {}",
+            expected.join(" or ")
+        );
+        self.report.error("G0402", at, message);
+        None
     }
 
     /// Elements in a view: refuses them unless the last one lies inside.
@@ -240,6 +293,29 @@ impl Loader<'_> {
             return None;
         }
         Some((targets, values))
+    }
+}
+
+impl From<Supplied> for Source {
+    fn from(supplied: Supplied) -> Source {
+        let stride = supplied.components * supplied.kind.size();
+        Source {
+            count: supplied
+                .bytes
+                .len()
+                .checked_div(stride)
+                .unwrap_or(0)
+                .min(supplied.count),
+            components: supplied.components,
+            kind: supplied.kind,
+            normalized: supplied.normalized,
+            base: Some(Strided {
+                bytes: supplied.bytes,
+                offset: 0,
+                stride,
+            }),
+            sparse: None,
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Buffers and the views into them.
 
+use super::budget::Cost;
 use super::extension::Fields;
 use super::meshopt::{self, Packing};
 use super::uri::Resolved;
@@ -7,6 +8,7 @@ use super::{Loader, Report};
 use crate::diag::Diagnostic;
 use gltf::json;
 use std::ops::{Deref, Range};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A range of shared bytes.
@@ -65,7 +67,9 @@ impl Loader<'_> {
                 None => {
                     let unpacked = self.unpack(&packed);
                     self.bytes += unpacked.as_ref().map_or(0, |b| b.len() as u64);
-                    self.unpacked.insert(index, unpacked.clone());
+                    if unpacked.is_some() || !self.report.lenient {
+                        self.unpacked.insert(index, unpacked.clone());
+                    }
                     unpacked
                 }
             }?;
@@ -107,6 +111,7 @@ impl Loader<'_> {
             stride: usize::try_from(stride).ok()?,
         };
         let at = packed.at();
+        self.afford(Cost::Unpacked, count.saturating_mul(stride), at)?;
         let data = self.part(usize::try_from(buffer).ok()?, offset, length, at)?;
         match meshopt::unpack(&packing, &data) {
             Ok(bytes) => {
@@ -128,7 +133,10 @@ impl Loader<'_> {
         }
         let blob = self.read_buffer(index, at);
         self.bytes += blob.as_ref().map_or(0, |b| b.len() as u64);
-        self.buffers.insert(index, blob.clone());
+        // A failure that was but a warning for a texture is an error for whoever asks next.
+        if blob.is_some() || !self.report.lenient {
+            self.buffers.insert(index, blob.clone());
+        }
         blob
     }
 
@@ -163,6 +171,17 @@ impl Loader<'_> {
         check_length(&mut self.report, &at, length, data)
     }
 
+    /// The bytes of a file, which several buffers may name.
+    fn read_once(&mut self, path: PathBuf) -> std::io::Result<Arc<[u8]>> {
+        if let Some(known) = self.files_read.get(&path) {
+            return Ok(known.clone());
+        }
+        let data = self.files.read(&path)?;
+        self.read_bytes += data.len() as u64;
+        self.files_read.insert(path, data.clone());
+        Ok(data)
+    }
+
     /// The bytes behind a URI; everything that keeps them from being read is an error.
     fn read_uri(&mut self, uri: &str, at: &str) -> Option<Blob> {
         let data: Arc<[u8]> = match self.resolve(uri, at)? {
@@ -171,7 +190,7 @@ impl Loader<'_> {
                 self.report.push(at, why);
                 return None;
             }
-            Resolved::File(path) => match self.files.read(&path) {
+            Resolved::File(path) => match self.read_once(path.clone()) {
                 Ok(data) => data,
                 Err(error) => {
                     self.report

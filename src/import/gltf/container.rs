@@ -14,6 +14,8 @@ pub(super) struct Container {
     pub json: Value,
     /// The binary chunk of a GLB.
     pub binary: Option<Blob>,
+    /// Bytes of the file.
+    pub length: u64,
 }
 
 const CHUNK_JSON: u32 = 0x4E4F_534A;
@@ -34,6 +36,7 @@ pub(super) fn read(path: &Path, files: &dyn Files, report: &mut Report) -> Optio
     Some(Container {
         json: parse_json(&data, report)?,
         binary: None,
+        length: data.len() as u64,
     })
 }
 
@@ -50,7 +53,7 @@ fn split_glb(data: Arc<[u8]>, report: &mut Report) -> Option<Container> {
         return None;
     };
     if version != 2 {
-        let d = Diagnostic::error("G0102", format!("the GLB has version {version}, expected 2"));
+        let d = Diagnostic::error("G0102", format!("GLB of version {version} is not supported, only 2 is"));
         report.push("", d.hint("export the model as glTF 2.0"));
         return None;
     }
@@ -88,6 +91,7 @@ fn split_glb(data: Arc<[u8]>, report: &mut Report) -> Option<Container> {
     Some(Container {
         json: parse_json(&data[range], report)?,
         binary,
+        length: data.len() as u64,
     })
 }
 
@@ -110,6 +114,14 @@ fn parse_json(bytes: &[u8], report: &mut Report) -> Option<Value> {
             return None;
         }
     };
+    if values_in(text) > MOST_VALUES {
+        let d = Diagnostic::error("G0105", format!("the JSON has more than {MOST_VALUES} values"));
+        report.push(
+            "",
+            d.hint("numbers of a model belong into its buffers, not into the JSON"),
+        );
+        return None;
+    }
     match serde_json::from_str::<Value>(text) {
         Ok(mut value) if value.is_object() => {
             whole_numbers(&mut value);
@@ -125,6 +137,24 @@ fn parse_json(bytes: &[u8], report: &mut Report) -> Option<Value> {
             None
         }
     }
+}
+
+/// Most values in the JSON: parsed, each takes up to a hundred bytes, though it may be written in two.
+const MOST_VALUES: usize = 8_000_000;
+
+/// How many values a text has at most if it is JSON: each but the first follows one of these marks.
+fn values_in(text: &str) -> usize {
+    let (mut in_string, mut escaped, mut values) = (false, false, 1);
+    for byte in text.bytes() {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_string => escaped = true,
+            b'"' => in_string = !in_string,
+            b',' | b'[' | b'{' if !in_string => values += 1,
+            _ => {}
+        }
+    }
+    values
 }
 
 /// Turns numbers such as `24.0` into integers: some exporters write counts and indices that way. The recursion is

@@ -27,6 +27,7 @@ pub fn contents(path: &Path, files: &dyn Files) -> Option<Contents> {
         file: path.display().to_string(),
         diags: &mut diags,
         failed: false,
+        lenient: false,
     };
     let container = container::read(path, files, &mut report)?;
     let doc = Document::new(container.json, &mut report);

@@ -5,6 +5,8 @@ use crate::diag::Diagnostic;
 use gltf::json;
 use serde_json::Value;
 
+const EXPORT_AGAIN: &str = "export the model as glTF 2.0, or convert it with a glTF tool";
+
 /// The parsed JSON of one file.
 pub(super) struct Document {
     root: Value,
@@ -15,11 +17,15 @@ impl Document {
     pub fn new(root: Value, report: &mut Report) -> Document {
         let version = |key: &str| root.get("asset").and_then(|a| a.get(key)).map(|v| (version_of(v), v));
         match version("version") {
+            None if root.get("meshes").is_some_and(Value::is_object) => {
+                let d = Diagnostic::error("G0201", "the file is glTF 1.0 by its form, only glTF 2.0 is read");
+                report.push("asset", d.hint(EXPORT_AGAIN));
+            }
             None => report.warning("G0201", "asset", "`version` is missing; the file is read as glTF 2.0"),
             Some((Some((2, _)), _)) => {}
             Some((_, found)) => {
-                let d = Diagnostic::error("G0201", format!("the version is {found}, expected \"2.0\""));
-                report.push("asset.version", d.hint("export the model as glTF 2.0"));
+                let d = Diagnostic::error("G0201", format!("glTF {found} is not supported, only \"2.0\" is"));
+                report.push("asset.version", d.hint(EXPORT_AGAIN));
             }
         }
         if let Some((Some(least), found)) = version("minVersion")

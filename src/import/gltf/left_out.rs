@@ -12,11 +12,13 @@ impl Loader<'_> {
     /// Lists scenes, meshes, materials, images and buffers that nothing has asked for.
     pub(super) fn tell_left_out(&mut self) {
         let materials: HashSet<usize> = self.materials.keys().map(|(index, _)| *index).collect();
+        let fallback = |(first, second): &(usize, Option<usize>)| [Some(*first), *second];
+        let images: HashSet<usize> = self.images.keys().flat_map(fallback).flatten().collect();
         let used = |table: &str, index: usize| match table {
             "scenes" => self.chosen_scene.is_none_or(|chosen| chosen == index),
             "meshes" => self.met_meshes.contains(&index),
             "materials" => materials.contains(&index),
-            "images" => self.images.contains_key(&index),
+            "images" => images.contains(&index),
             _ => self.buffers.contains_key(&index),
         };
         let mut found = Vec::new();

@@ -3,8 +3,8 @@
 
 use super::Loader;
 use super::accessor::Wanted;
+use super::budget::Cost;
 use super::deform::{Pose, unit_tangents};
-use super::document::extension;
 use super::part::{Part, join};
 use super::{tangent, triangles};
 use crate::diag::{Anomaly, Diagnostic};
@@ -62,6 +62,8 @@ impl Loader<'_> {
 
     fn read_parts(&mut self, index: usize, pose: &Pose, at: &str) -> Option<Vec<Part>> {
         let raw = self.doc.raw("meshes", index, at, &mut self.report)?;
+        let primitives = raw.get("primitives").and_then(Value::as_array).map_or(0, Vec::len);
+        self.afford(Cost::Primitives, primitives as u64, &format!("meshes[{index}]"))?;
         let mesh: json::Mesh = self.doc.get(index, at, &mut self.report)?;
         let weights = pose.weights.as_deref().or(mesh.weights.as_deref()).unwrap_or(&[]);
         if mesh.primitives.is_empty() {
@@ -77,8 +79,23 @@ impl Loader<'_> {
         Some(parts)
     }
 
-    /// One primitive; `None` if it is broken (reported) or draws no triangles.
+    /// One primitive, unpacked first if Draco data hold it; `None` if it is broken (reported) or draws no triangles.
     fn read_part(
+        &mut self,
+        raw: &Value,
+        primitive: &Primitive,
+        weights: &[f32],
+        pose: &Pose,
+        at: &str,
+    ) -> Option<Part> {
+        self.triangle_mode(primitive, at)?;
+        let unpacked = self.unpack_draco(raw, primitive, at)?;
+        let part = self.read_plain(raw, unpacked.as_ref().unwrap_or(primitive), weights, pose, at);
+        self.accessors.supplied.clear();
+        part
+    }
+
+    fn read_plain(
         &mut self,
         raw: &Value,
         primitive: &Primitive,
@@ -93,11 +110,7 @@ impl Loader<'_> {
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|a| a.value());
         let place = |name: &str| format!("{at}.attributes.{name}");
         let Some(accessor) = attribute(Semantic::Positions) else {
-            let message = if extension(raw, "KHR_draco_mesh_compression").is_some() {
-                "has no POSITION outside its Draco data, which is not supported"
-            } else {
-                "has no POSITION; the primitive is left out"
-            };
+            let message = "has no POSITION; the primitive is left out";
             self.report.warning("G0602", &place("POSITION"), message);
             return None;
         };
@@ -190,13 +203,10 @@ impl Loader<'_> {
                 .push(&place, d.hint("the file is damaged: copy or export it again"));
             return None;
         }
-        let (faces, rest) = triangles::assemble(mode, &corners);
+        let count = corners.len();
+        let (faces, rest) = triangles::assemble(mode, corners);
         if rest > 0 || faces.is_empty() {
-            let message = format!(
-                "{} corners make {} triangles; {rest} are left over",
-                corners.len(),
-                faces.len()
-            );
+            let message = format!("{count} corners make {} triangles; {rest} are left over", faces.len());
             self.report.warning("G0606", at, message);
         }
         self.triangles += faces.len() as u64;
@@ -209,7 +219,8 @@ impl Loader<'_> {
         (!faces.is_empty()).then_some(faces)
     }
 
-    fn most_triangles(&self) -> u64 {
+    /// Most triangles that the file may have, by the bytes read so far.
+    pub(super) fn most_triangles(&self) -> u64 {
         TRIANGLES.0.saturating_add(TRIANGLES.1.saturating_mul(self.bytes))
     }
 

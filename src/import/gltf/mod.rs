@@ -3,15 +3,18 @@
 //! The `gltf` crate gives the schema: each element of the file is read as one of its typed JSON structures when it is
 //! first used. Everything around it is our own, since input may be cut, cyclic or absurd: the container and its JSON
 //! (`container`), the lookup of elements (`document`), files (`uri`), buffers (`buffer`, packed ones `meshopt`,
-//! `deltas`, `filter`), accessors (`accessor`), the node tree (`node`), primitives (`mesh`, `part`, `triangles`,
+//! `deltas`, `filter`), accessors (`accessor`), packed meshes (`draco`), the node tree (`node`), primitives (`mesh`, `part`, `triangles`,
 //! `deform`, `tangent`), materials (`material`, `extension`, `texture`), lamps and cameras (`light`, `camera`).
 //!
 //! What is not reached from the chosen scene is not read, so it cannot fail either. Errors are collected: a broken
 //! mesh does not hide a broken material. Animations (`animation`) are played only for a clock or an open shutter, for which
 //! nodes, cameras and lamps are given a motion and skins and morph targets their forms (`moving`).
+//!
+//! Memory stays in proportion to the file whatever it says (`budget`).
 
 mod accessor;
 mod animation;
+mod budget;
 mod buffer;
 mod camera;
 mod container;
@@ -19,6 +22,7 @@ mod contents;
 mod deform;
 mod deltas;
 mod document;
+mod draco;
 mod extension;
 mod filter;
 mod left_out;
@@ -48,6 +52,19 @@ use document::Document;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
+
+/// How materials with `KHR_materials_transmission` are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Glass {
+    /// By the specification: solid where `KHR_materials_volume` gives a thickness, else thin sheets.
+    #[default]
+    AsWritten,
+    /// All as solids, which refract: what Blender shows of glass that it exports without a thickness.
+    Solid,
+    /// All as thin sheets.
+    Thin,
+}
 
 /// What the caller may choose about a glTF file.
 #[derive(Clone, Debug, Default)]
@@ -67,6 +84,8 @@ pub struct GltfOptions {
     pub shutter: f64,
     /// Whether buffers and images outside the model's folder may be read.
     pub allow_outside: bool,
+    /// How materials that transmit are drawn.
+    pub glass: Glass,
 }
 
 /// Reads a glTF or GLB file into a scene of its own: right-handed, metres as units, lamps and cameras in world space.
@@ -77,6 +96,7 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         file: path.display().to_string(),
         diags,
         failed: false,
+        lenient: false,
     };
     let container = container::read(path, files, &mut report)?;
     let document = Document::new(container.json, &mut report);
@@ -98,6 +118,7 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         buffers: HashMap::new(),
         unpacked: HashMap::new(),
         accessors: accessor::Cache::default(),
+        draco: draco::Last::default(),
         textures: HashMap::new(),
         images: HashMap::new(),
         materials: HashMap::new(),
@@ -105,6 +126,10 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         met_meshes: HashSet::new(),
         chosen_scene: None,
         variant: None,
+        files_read: HashMap::new(),
+        viewed_images: HashMap::new(),
+        read_bytes: container.length,
+        spent: budget::Spent::default(),
         bytes: 0,
         triangles: 0,
         animated: 0,
@@ -132,8 +157,10 @@ struct Loader<'a> {
     buffers: HashMap<usize, Option<buffer::Blob>>,
     unpacked: HashMap<usize, Option<buffer::Blob>>,
     accessors: accessor::Cache,
+    draco: draco::Last,
     textures: HashMap<texture::Key, Option<TextureId>>,
-    images: HashMap<usize, Option<crate::scene::ImageId>>,
+    /// By number, and by the number of what is taken instead.
+    images: HashMap<(usize, Option<usize>), Option<crate::scene::ImageId>>,
     materials: HashMap<(usize, bool), Option<MaterialId>>,
     meshes: HashMap<usize, Rc<[MeshId]>>,
     /// Meshes that a visible node places.
@@ -141,6 +168,13 @@ struct Loader<'a> {
     /// The scene that is shown, if the file has scenes.
     chosen_scene: Option<usize>,
     variant: Option<usize>,
+    /// Files of buffers by path, each read once.
+    files_read: HashMap<std::path::PathBuf, Arc<[u8]>>,
+    /// Images in views, by view.
+    viewed_images: HashMap<usize, Arc<[u8]>>,
+    /// Bytes of the file and of the buffers beside it.
+    read_bytes: u64,
+    spent: budget::Spent,
     /// Bytes of all buffers read and views unpacked so far, and triangles made of them.
     bytes: u64,
     triangles: u64,
@@ -157,6 +191,8 @@ struct Report<'a> {
     file: String,
     diags: &'a mut Diagnostics,
     failed: bool,
+    /// Whether what is wrong costs a part of the picture only.
+    lenient: bool,
 }
 
 impl Report<'_> {
@@ -174,7 +210,11 @@ impl Report<'_> {
     }
 
     /// Adds a diagnostic at a path inside the file (`""` is the file itself).
-    fn push(&mut self, at: &str, diagnostic: Diagnostic) {
+    fn push(&mut self, at: &str, mut diagnostic: Diagnostic) {
+        if self.lenient && diagnostic.severity == Severity::Error {
+            diagnostic.severity = Severity::Warning;
+            diagnostic = diagnostic.hint("the model is drawn without this texture");
+        }
         self.failed |= diagnostic.severity == Severity::Error;
         self.diags.push(diagnostic.in_place(self.place(at)));
     }

@@ -3,6 +3,7 @@
 use super::Loader;
 use super::accessor::Wanted;
 use super::animation::{Rest, Tracks};
+use super::budget::Cost;
 use super::deform::{Pose, affine_from_columns};
 use super::document::{extension, index_of};
 use super::extension::exact;
@@ -29,8 +30,8 @@ pub(super) struct Placed {
     pub visible: bool,
 }
 
-/// Most instances of one node: an accessor of zeros could ask for any number.
-const MAX_INSTANCES: usize = 5_000_000;
+/// Most nodes that are met twice before the walk is given up.
+const MOST_STRAYS: usize = 100;
 
 impl Loader<'_> {
     /// Reads everything that the chosen scene reaches.
@@ -148,7 +149,7 @@ impl Loader<'_> {
         };
         let mut stack: Vec<Visit> = roots.into_iter().rev().map(root).collect();
         let mut parents: Vec<Option<Option<usize>>> = vec![None; self.doc.len("nodes")];
-        let mut placed = Vec::new();
+        let (mut placed, mut strays) = (Vec::new(), 0);
         while let Some(visit) = stack.pop() {
             let index = visit.index;
             let Some(raw) = self.doc.raw("nodes", index, &visit.at, &mut self.report) else {
@@ -156,6 +157,10 @@ impl Loader<'_> {
             };
             if parents[index].is_some() {
                 self.second_visit(index, visit.parent, &parents, &visit.at);
+                strays += 1;
+                if strays >= MOST_STRAYS {
+                    break;
+                }
                 continue;
             }
             parents[index] = Some(visit.parent);
@@ -297,6 +302,16 @@ impl Loader<'_> {
                 later: Vec::new(),
             };
             if let Some(skin) = placed.node.skin {
+                let skins = self
+                    .doc
+                    .top("skins")
+                    .and_then(|t| t.get(skin.value())?.get("joints")?.as_array());
+                if self
+                    .afford(Cost::Joints, skins.map_or(0, Vec::len) as u64, &at)
+                    .is_none()
+                {
+                    return false;
+                }
                 pose.joints = self.joints(skin.value(), world, &format!("{at}.skin"));
             }
             pose.later = self.later_poses(placed, &pose, later, (tracks, moving), &at);
@@ -306,6 +321,10 @@ impl Loader<'_> {
             let instances = self.instances(raw, &at).unwrap_or_default();
             self.met_meshes.insert(mesh.value());
             let meshes = self.meshes_of(mesh.value(), &pose, &format!("{at}.mesh"));
+            let objects = meshes.len() as u64 * instances.len() as u64;
+            if self.afford(Cost::Objects, objects, &at).is_none() {
+                return is_skinned;
+            }
             for &id in meshes.iter() {
                 for instance in &instances {
                     let object = Object {
@@ -363,11 +382,12 @@ impl Loader<'_> {
             .filter_map(|n| n.as_ref().map(|n| n.count()))
             .collect();
         let count = counts.first().copied().unwrap_or(1);
-        if counts.iter().any(|c| *c != count) || count > MAX_INSTANCES {
-            let message = format!("the counts are {counts:?}, expected the same for all, at most {MAX_INSTANCES}");
+        if counts.iter().any(|c| *c != count) {
+            let message = format!("the counts are {counts:?}, expected the same for all");
             self.report.error("G0508", &at, message);
             return None;
         }
+        self.afford(Cost::Objects, count as u64, &at)?;
         let vector = |numbers: &Option<std::rc::Rc<super::accessor::Numbers>>, i, default: DVec3| {
             numbers
                 .as_ref()

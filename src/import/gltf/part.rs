@@ -112,21 +112,43 @@ pub(super) fn join(parts: Vec<Part>, name: &str) -> Vec<Mesh> {
     groups.into_iter().filter_map(|group| join_like(group, name)).collect()
 }
 
-fn join_like(parts: Vec<Part>, name: &str) -> Option<Mesh> {
-    let positions: Vec<DVec3> = parts.iter().flat_map(|p| &p.positions).copied().collect();
-    u32::try_from(positions.len()).ok()?;
+/// The form of all parts together at each later moment; one that keeps its form stays as it is.
+fn forms(parts: &[Part]) -> Vec<Form> {
+    let moments = parts.iter().map(|p| p.later.len()).max().unwrap_or(0);
+    let at = |k: usize| {
+        let mut all = Form::default();
+        for part in parts {
+            let (positions, normals) = part.form(k);
+            all.0.extend(positions);
+            all.1.extend(normals.iter());
+        }
+        all
+    };
+    (0..moments).map(at).collect()
+}
+
+fn join_like(mut parts: Vec<Part>, name: &str) -> Option<Mesh> {
+    let counts: Vec<usize> = parts.iter().map(|p| p.positions.len()).collect();
+    let vertices: usize = counts.iter().sum();
+    let faces: usize = parts.iter().map(|p| p.triangles.len()).sum();
+    u32::try_from(vertices).ok()?;
+    let later = forms(&parts);
+    let mut positions = std::mem::take(&mut parts.first_mut()?.positions);
+    positions.reserve_exact(vertices - positions.len());
+    for part in &mut parts[1..] {
+        positions.append(&mut std::mem::take(&mut part.positions));
+    }
     let mut mesh = Mesh::from_f64(name, &positions, &[])?;
     drop(positions);
+    mesh.triangles.reserve_exact(faces);
+    let center = mesh.center;
+    let form = |(positions, normals): Form| MeshForm {
+        positions: positions.iter().map(|p| (*p - center).as_vec3()).collect(),
+        normals,
+    };
+    mesh.later = later.into_iter().map(form).collect();
     let mut first = 0;
-    let moments = parts.iter().map(|p| p.later.len()).max().unwrap_or(0);
-    mesh.later = vec![MeshForm::default(); moments];
-    for part in parts {
-        for (k, form) in mesh.later.iter_mut().enumerate() {
-            let (positions, normals) = part.form(k);
-            let center = mesh.center;
-            form.positions.extend(positions.iter().map(|p| (*p - center).as_vec3()));
-            form.normals.extend(normals.iter());
-        }
+    for (part, count) in parts.into_iter().zip(counts) {
         let slot = mesh
             .materials
             .iter()
@@ -140,14 +162,23 @@ fn join_like(parts: Vec<Part>, name: &str) -> Option<Mesh> {
         for face in &part.triangles {
             mesh.push_face(face.map(|v| v + first), (slot > 0).then_some(slot as u32));
         }
-        first += part.positions.len() as u32;
-        mesh.normals.extend(part.normals);
-        mesh.tangents.extend(part.tangents);
-        mesh.colors.extend(part.colors);
+        first += count as u32;
+        append(&mut mesh.normals, part.normals);
+        append(&mut mesh.tangents, part.tangents);
+        append(&mut mesh.colors, part.colors);
         mesh.uvs.resize(part.uvs.len(), Vec::new());
         for (to, from) in mesh.uvs.iter_mut().zip(part.uvs) {
-            to.extend(from);
+            append(to, from);
         }
     }
     Some(mesh)
+}
+
+/// Adds values to a list; the first ones are moved, not copied.
+fn append<T>(list: &mut Vec<T>, mut values: Vec<T>) {
+    if list.is_empty() {
+        *list = values;
+    } else {
+        list.append(&mut values);
+    }
 }

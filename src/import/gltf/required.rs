@@ -13,6 +13,7 @@ const KNOWN: &[&str] = &[
     "EXT_structural_metadata",
     "EXT_texture_webp",
     "KHR_animation_pointer",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -32,13 +33,14 @@ const KNOWN: &[&str] = &[
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
 ];
 
 /// Materials and pictures that only look different without them.
-const APPROXIMATED: &[&str] = &["KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"];
+const APPROXIMATED: &[&str] = &["EXT_texture_avif", "MSFT_texture_dds"];
 
 /// Reports each required extension that this reader does not know.
 pub(super) fn check(doc: &Document, report: &mut Report) {
@@ -71,12 +73,9 @@ fn unknown(name: &str) -> Diagnostic {
         "G0204",
         format!("the model needs the extension {name}, which is not supported"),
     );
-    d.hint(match name {
-        "KHR_draco_mesh_compression" => "export the model without Draco compression, or decompress it with a glTF tool",
-        _ => {
-            "export the model without it, or remove it from `extensionsRequired` to draw the model as if it were not there"
-        }
-    })
+    d.hint(
+        "export the model without it, or remove it from `extensionsRequired` to draw the model as if it were not there",
+    )
 }
 
 /// What sort of JSON value this is, for messages.

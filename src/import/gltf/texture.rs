@@ -2,6 +2,7 @@
 //! found, not decoded.
 
 use super::Loader;
+use super::budget::Cost;
 use super::document::{extension, index_of};
 use super::extension::{FINITE, Fields};
 use super::uri::Resolved;
@@ -12,6 +13,7 @@ use gltf::json;
 use json::texture::{MagFilter, WrappingMode};
 use json::validation::Checked;
 use serde_json::Value;
+use std::sync::Arc;
 
 /// What makes two references the same texture.
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -22,14 +24,26 @@ pub(super) struct Key {
     is_color: bool,
 }
 
+/// Extensions whose image is taken before the texture's plain one, the first of them first.
+const READ: [&str; 2] = ["KHR_texture_basisu", "EXT_texture_webp"];
+/// Extensions for formats that are not read.
+const NOT_READ: [&str; 2] = ["EXT_texture_avif", "MSFT_texture_dds"];
+
 /// Most coordinate sets that a mesh of the scene carries.
 pub(super) const MAX_UV_SETS: u32 = 4;
 
 impl Loader<'_> {
     /// The texture of a `textureInfo`. `None` if there is none or it cannot be used; then the factor stands alone,
-    /// and whatever was wrong has been reported.
+    /// and whatever was wrong has been warned of: a broken texture never costs the model.
     pub(super) fn texture(&mut self, info: Option<&Value>, encoding: Encoding, at: &str) -> Option<TextureId> {
         let info = info?;
+        let before = std::mem::replace(&mut self.report.lenient, true);
+        let texture = self.read_texture(info, encoding, at);
+        self.report.lenient = before;
+        texture
+    }
+
+    fn read_texture(&mut self, info: &Value, encoding: Encoding, at: &str) -> Option<TextureId> {
         let Some(texture) = index_of(info, "index", at, &mut self.report) else {
             if info.get("index").is_none() {
                 self.report.error("G0701", at, "has no `index` of a texture");
@@ -109,38 +123,71 @@ impl Loader<'_> {
         })))
     }
 
-    /// The image of a texture: its WebP alternative if it has one, else its plain source.
+    /// The image of a texture: its alternative in a better format that we read, else its plain source. That serves
+    /// also where the alternative cannot be read.
     fn texture_image(&mut self, texture: &Value, at: &str) -> Option<ImageId> {
-        let source = |name: &str| extension(texture, name).and_then(|e| Some((e, e.get("source")?)));
-        if let Some((webp, _)) = source("EXT_texture_webp") {
-            let at = format!("{at}.extensions.EXT_texture_webp");
-            let index = index_of(webp, "source", &at, &mut self.report)?;
-            return self.image(index, &format!("{at}.source"));
+        let source = |name: &str| extension(texture, name).filter(|e| e.get("source").is_some());
+        let plain = index_of(texture, "source", at, &mut self.report);
+        for name in READ {
+            let Some(better) = source(name) else { continue };
+            let at_better = format!("{at}.extensions.{name}");
+            let Some(index) = index_of(better, "source", &at_better, &mut self.report) else {
+                continue;
+            };
+            let fallback = plain.map(|index| (index, format!("{at}.source")));
+            return self.image((index, format!("{at_better}.source")), fallback);
         }
-        if let Some(index) = index_of(texture, "source", at, &mut self.report) {
-            return self.image(index, &format!("{at}.source"));
+        if let Some(index) = plain {
+            return self.image((index, format!("{at}.source")), None);
         }
-        let what = ["KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"];
-        let message = match what.iter().find(|name| source(name).is_some()) {
+        if texture.get("source").is_some() {
+            return None; // which was no index
+        }
+        let message = match NOT_READ.iter().find(|name| source(name).is_some()) {
             Some(name) => format!("has only a {name} image, which cannot be read; the factor is used alone"),
             None => "has no source image; the factor is used alone".to_owned(),
         };
         let d = Diagnostic::warning("G0704", message);
-        self.report.push(at, d.hint("export the textures as PNG, JPEG or WebP"));
+        self.report
+            .push(at, d.hint("export the textures as PNG, JPEG, WebP or KTX2"));
         None
     }
 
-    /// The image `index`, found once.
-    fn image(&mut self, index: usize, at: &str) -> Option<ImageId> {
-        if let Some(known) = self.images.get(&index) {
+    /// An image with its fallback, both given by number and the place that refers to them.
+    fn image(&mut self, (index, at): (usize, String), fallback: Option<(usize, String)>) -> Option<ImageId> {
+        let key = (index, fallback.as_ref().map(|f| f.0));
+        if let Some(known) = self.images.get(&key) {
             return *known;
         }
-        let made = self.find_image(index, at);
-        self.images.insert(index, made);
+        // With a fallback, what is wrong with the first choice is no error.
+        let first = self.find_image(index, &at);
+        let second = fallback.and_then(|(index, at)| self.find_image(index, &at));
+        let made = match (first, second) {
+            (Some(mut image), second) => {
+                image.fallback = second.map(|i| i.source);
+                Some(image)
+            }
+            (None, second) => second,
+        };
+        let made = made.map(|image| self.scene.add_image(image));
+        self.images.insert(key, made);
         made
     }
 
-    fn find_image(&mut self, index: usize, at: &str) -> Option<ImageId> {
+    /// The bytes of an image in a view.
+    fn viewed_image(&mut self, view: usize, at: &str) -> Option<Arc<[u8]>> {
+        if let Some(known) = self.viewed_images.get(&view) {
+            return Some(known.clone());
+        }
+        let bytes = self.view(view, at)?.bytes;
+        self.afford(Cost::Images, bytes.len() as u64, at)?;
+        let bytes: Arc<[u8]> = Arc::from(&bytes[..]);
+        self.viewed_images.insert(view, bytes.clone());
+        Some(bytes)
+    }
+
+    /// The image `index`, found but not decoded.
+    fn find_image(&mut self, index: usize, at: &str) -> Option<Image> {
         let raw = self.doc.raw("images", index, at, &mut self.report)?;
         let here = format!("images[{index}]");
         let source = match raw.get("uri") {
@@ -168,8 +215,7 @@ impl Loader<'_> {
                         .warning("G0705", &here, "has neither `uri` nor `bufferView`; it is left out");
                     return None;
                 };
-                let view = self.view(view, &format!("{here}.bufferView"))?;
-                ImageSource::Bytes(view.bytes.to_vec().into())
+                ImageSource::Bytes(self.viewed_image(view, &format!("{here}.bufferView"))?)
             }
         };
         // Messages about the picture itself are clearest with its file name.
@@ -178,11 +224,12 @@ impl Loader<'_> {
             (_, Some(name)) if !name.is_empty() => name.to_owned(),
             _ => self.report.place(&here),
         };
-        Some(self.scene.add_image(Image {
+        Some(Image {
             name,
             source,
+            fallback: None,
             place: self.report.origin(&here),
-        }))
+        })
     }
 }
 

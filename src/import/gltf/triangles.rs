@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 /// Triangles of a sequence of corners, and how many corners at the end made none. Strips alternate their winding so
 /// that every face looks the same way (specification 3.7.2.1).
-pub(super) fn assemble(mode: Mode, corners: &[u32]) -> (Vec<[u32; 3]>, usize) {
+pub(super) fn assemble(mode: Mode, corners: Vec<u32>) -> (Vec<[u32; 3]>, usize) {
     let n = corners.len();
     match mode {
         Mode::TriangleStrip if n >= 3 => {
@@ -20,8 +20,15 @@ pub(super) fn assemble(mode: Mode, corners: &[u32]) -> (Vec<[u32; 3]>, usize) {
             (fan.collect(), 0)
         }
         Mode::TriangleStrip | Mode::TriangleFan => (Vec::new(), n),
-        _ => (corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(), n % 3),
+        _ => (triples(corners), n % 3),
     }
+}
+
+/// Three corners each, in the same memory where that is possible.
+fn triples(mut corners: Vec<u32>) -> Vec<[u32; 3]> {
+    corners.truncate(corners.len() / 3 * 3);
+    let cast = bytemuck::allocation::try_cast_vec(corners);
+    cast.unwrap_or_else(|(_, corners)| corners.as_chunks::<3>().0.to_vec())
 }
 
 /// Renumbers the corners so that only used vertices remain, in their old order, and returns those vertices. A vertex
@@ -68,11 +75,11 @@ mod tests {
 
     #[test]
     fn strips_alternate_and_fans_turn_about_the_first_corner() {
-        let strip = assemble(Mode::TriangleStrip, &[0, 1, 2, 3, 4]);
+        let strip = assemble(Mode::TriangleStrip, vec![0, 1, 2, 3, 4]);
         assert_eq!(strip, (vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]], 0));
-        let fan = assemble(Mode::TriangleFan, &[0, 1, 2, 3]);
+        let fan = assemble(Mode::TriangleFan, vec![0, 1, 2, 3]);
         assert_eq!(fan, (vec![[1, 2, 0], [2, 3, 0]], 0));
-        let list = assemble(Mode::Triangles, &[0, 1, 2, 3]);
+        let list = assemble(Mode::Triangles, vec![0, 1, 2, 3]);
         assert_eq!(list, (vec![[0, 1, 2]], 1));
     }
 

@@ -43,7 +43,8 @@ impl Loader<'_> {
             );
             return None;
         }
-        let bare = strip_prefix_ignoring_case(uri, "file://").unwrap_or(uri);
+        let local = |prefix| strip_prefix_ignoring_case(uri, prefix);
+        let bare = local("file://").or_else(|| local("file:")).unwrap_or(uri);
         let decoded = percent_decode_str(bare).decode_utf8().ok().map(|s| s.into_owned());
         let mut candidates: Vec<String> = decoded.into_iter().collect();
         if candidates.first().is_none_or(|c| c != bare) {
@@ -90,7 +91,7 @@ impl Loader<'_> {
             None => {
                 let d = Diagnostic::error("G0305", format!("\"{}\" lies outside the model's folder", short(name)));
                 let hint = "copy the file into the model's folder and refer to it by its name, \
-                            or allow files from outside if you trust the model";
+                            or give `--allow-outside` if you trust the model";
                 self.report.push(at, d.hint(hint));
                 return None;
             }

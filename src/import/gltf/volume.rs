@@ -1,7 +1,7 @@
 //! What fills solids: `KHR_materials_volume`, and the draft `KHR_materials_volume_scatter` beside it.
 
-use super::Loader;
 use super::extension::{Fields, NOT_NEGATIVE, UNIT};
+use super::{Glass, Loader};
 use crate::diag::{Anomaly, Diagnostic};
 use crate::scene::{Medium, Phase, Principled};
 use glam::DVec3;
@@ -11,19 +11,28 @@ impl Loader<'_> {
     /// `KHR_materials_volume`: σ = −ln(colour)/distance is taken from the way ahead, distances being in the world. It is
     /// absorption, unless a part of it is scattered.
     pub(super) fn volume(&mut self, raw: &Value, surface: &mut Principled, at: &str) -> Medium {
+        let transmits = surface.transmission.factor > 0.0;
         let Some(volume) = Fields::of(raw, "KHR_materials_volume", at) else {
-            if surface.transmission.factor > 0.0 && self.is_from_blender() {
+            surface.thick = transmits && self.options.glass == Glass::Solid;
+            if transmits && self.options.glass == Glass::AsWritten && self.is_from_blender() {
                 let d = Diagnostic::note(
                     "G0707",
                     "glass without KHR_materials_volume is drawn as a thin sheet, without refraction",
                 );
-                self.report
-                    .push(at, d.hint("for solid glass give the exporter a thickness above 0"));
+                self.report.push(
+                    at,
+                    d.hint("for solid glass render with --glass solid, or give the exporter a thickness above 0"),
+                );
             }
             return Medium::default();
         };
         let report = &mut self.report;
-        surface.thick = volume.number("thicknessFactor", 0.0, NOT_NEGATIVE, report) > 0.0;
+        let thickness = volume.number("thicknessFactor", 0.0, NOT_NEGATIVE, report);
+        surface.thick = match self.options.glass {
+            Glass::AsWritten => thickness > 0.0,
+            Glass::Solid => thickness > 0.0 || transmits,
+            Glass::Thin => false,
+        };
         let distance = volume.number("attenuationDistance", f64::INFINITY, 0.0..=f64::INFINITY, report);
         let color = volume.color("attenuationColor", 1.0, UNIT, report);
         if !surface.thick || distance.is_infinite() {

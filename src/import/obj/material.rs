@@ -2,10 +2,11 @@
 //!
 //! MTL describes Phong's model of 1975, later programs added a metallic-roughness set. Mapping: `illum` 4, 6, 7, 9
 //! are glass; 3 and 5 mirrors; `Pr Pm Ps Pc …` the principled set; `Ks` with a highlight a dielectric whose
-//! roughness matches the Phong lobe; everything else is diffuse. `Ka` has no meaning in a path tracer.
+//! roughness matches the Phong lobe; everything else is diffuse. `Ka` has no meaning in a path tracer. Blender writes
+//! its principled surface with the same words in a meaning of its own, which is taken back exactly.
 
 use super::clean::Cleaned;
-use super::mtl::{Library, Mtl};
+use super::mtl::{Blender, Library, Map, Mtl};
 use super::report::Report;
 use super::texture::Textures;
 use crate::diag::Diagnostic;
@@ -142,6 +143,9 @@ impl Mapping<'_, '_> {
         let unwritten = if self.mtl.maps.contains_key("map_ks") { 0.5 } else { 0.0 };
         let ks = self.mtl.colors.get("ks").copied().unwrap_or(DVec3::splat(unwritten));
         let has_map_d = self.mtl.maps.contains_key("map_d");
+        if let Some(blender) = self.mtl.blender {
+            return self.blender(blender, kd, ks);
+        }
         match illum {
             // Exporters choose 4 for cut-out leaves too; index 1 bends nothing and is plain transparency.
             Some(4 | 6 | 7 | 9) if !has_map_d && self.number("ni") != Some(1.0) => self.glass(),
@@ -151,6 +155,26 @@ impl Mapping<'_, '_> {
             _ if ks == DVec3::ZERO => diffuse(kd),
             _ => self.highlight(kd, ks),
         }
+    }
+
+    /// Blender's meaning of the words: a principled surface whose transparency is coverage in every `illum`. `Ka` of 3 and
+    /// 6 is the metallic share, `Ks` the specular level (0.5 is an ordinary dielectric), `Ns` = most·(1 − roughness)².
+    fn blender(&mut self, dialect: Blender, kd: ColorInput, ks: DVec3) -> SurfaceModel {
+        let SurfaceModel::Principled(mut p) = self.principled(kd) else {
+            return diffuse(kd);
+        };
+        if !self.mtl.numbers.contains_key("pr") && !self.mtl.maps.contains_key("map_pr") {
+            let exponent = self.number("ns").unwrap_or(0.25 * dialect.most_ns).max(0.0);
+            p.roughness = (1.0 - (exponent / dialect.most_ns).min(1.0).sqrt()).into();
+        }
+        let is_reflective = self.number("illum").is_some_and(|i| i == 3.0 || i == 6.0);
+        if let (true, Some(ka)) = (is_reflective, self.mtl.colors.get("ka"))
+            && !self.mtl.numbers.contains_key("pm")
+        {
+            p.metallic = (ka.element_sum() / 3.0).min(1.0).into();
+        }
+        (p.specular, p.specular_color) = self.specular(ks);
+        SurfaceModel::Principled(p)
     }
 
     fn ior(&mut self) -> f64 {
@@ -214,7 +238,22 @@ impl Mapping<'_, '_> {
     /// Phong's highlight as a rough dielectric coat: `Ks` = 0.5 reflects 4 % at normal incidence, as ordinary
     /// dielectrics do.
     fn highlight(&mut self, kd: ColorInput, ks: DVec3) -> SurfaceModel {
+        let (specular, specular_color) = self.specular(ks);
+        SurfaceModel::Principled(Box::new(Principled {
+            base_color: kd,
+            roughness: self.roughness().into(),
+            specular,
+            specular_color,
+            ..Principled::default()
+        }))
+    }
+
+    /// Strength and tint of a highlight; none at all for black.
+    fn specular(&mut self, ks: DVec3) -> (ScalarInput, ColorInput) {
         let strongest = ks.max_element();
+        if strongest == 0.0 {
+            return (0.0.into(), DVec3::ONE.into());
+        }
         let f0_scale = 2.0 * strongest;
         let tint = ks / strongest * f0_scale.max(1.0);
         let mut specular_color = ColorInput::constant(tint);
@@ -222,13 +261,7 @@ impl Mapping<'_, '_> {
             specular_color.factor *= map.gain;
             specular_color.texture = self.textures.add(map, Encoding::Srgb, self.scene, self.report);
         }
-        SurfaceModel::Principled(Box::new(Principled {
-            base_color: kd,
-            roughness: self.roughness().into(),
-            specular: f0_scale.min(1.0).into(),
-            specular_color,
-            ..Principled::default()
-        }))
+        (f0_scale.min(1.0).into(), specular_color)
     }
 
     /// Perceptual roughness of the Phong exponent `Ns`: α² = 2 / (Ns + 2) and α = roughness².
@@ -284,9 +317,17 @@ impl Mapping<'_, '_> {
         let Some(texture) = self.textures.add(map, Encoding::Linear, self.scene, self.report) else {
             return Opacity::default();
         };
-        // The colour image named again means its alpha; an image of its own is a mask in grey.
-        let same = self.mtl.maps.get("map_kd").is_some_and(|kd| kd.file == map.file);
-        let channel = map.channel.unwrap_or(if same { Channel::A } else { Channel::R });
+        // The colour image named again means its alpha, and so does an image with an alpha that varies; any other is a
+        // mask in grey.
+        let of_alpha = |map: &Map, report: &mut Report| {
+            let same = self.mtl.maps.get("map_kd").is_some_and(|kd| kd.file == map.file);
+            same || self.textures.has_alpha(map, report)
+        };
+        let channel = match map.channel {
+            Some(channel) => channel,
+            None if of_alpha(map, self.report) => Channel::A,
+            None => Channel::R,
+        };
         Opacity {
             mode: OpacityMode::Blend,
             alpha: ScalarInput::scaled(if value == 0.0 { 1.0 } else { value }, Some((texture, channel))),

@@ -40,18 +40,44 @@ pub(super) struct Map {
 pub(super) struct Mtl {
     /// `model.mtl:17`, the line of `newmtl`.
     pub place: String,
-    /// Colours by keyword in lower case: `kd ks ke tf`.
+    /// Colours by keyword in lower case: `ka kd ks ke tf`.
     pub colors: HashMap<&'static str, DVec3>,
     /// Numbers by keyword in lower case: `ns ni d tr illum pr pm ps pc pcr aniso anisor`.
     pub numbers: HashMap<&'static str, f64>,
     /// Textures by keyword in lower case, `map_bump` under `bump`.
     pub maps: HashMap<&'static str, Map>,
+    /// Set where Blender wrote the library.
+    pub blender: Option<Blender>,
+}
+
+/// Blender's own reading of MTL's words, which differs from everyone else's and is known exactly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blender {
+    /// `Ns` of a roughness of 0; Ns = most·(1 − roughness)².
+    pub most_ns: f64,
+}
+
+impl Blender {
+    /// Told by the comment that its exporters put at the head: "# Blender 5.0.1 MTL File: …" of today's scales `Ns` up to
+    /// 1000, "# Blender MTL File: …" of the one before 3.2 up to 900.
+    fn of(bytes: &[u8]) -> Option<Blender> {
+        let first = bytes.split(|b| matches!(b, b'\r' | b'\n')).find(|l| !l.is_empty())?;
+        let comment = text(first.strip_prefix(b"#")?);
+        let mut words = comment.split_whitespace();
+        if words.next() != Some("Blender") {
+            return None;
+        }
+        let is_old = words.next() == Some("MTL");
+        Some(Blender {
+            most_ns: if is_old { 900.0 } else { 1000.0 },
+        })
+    }
 }
 
 /// All materials of a model by name.
 pub(super) type Library = HashMap<String, Mtl>;
 
-const COLORS: [&str; 4] = ["kd", "ks", "ke", "tf"];
+const COLORS: [&str; 5] = ["ka", "kd", "ks", "ke", "tf"];
 const NUMBERS: [&str; 12] = [
     "ns", "ni", "d", "tr", "illum", "pr", "pm", "ps", "pc", "pcr", "aniso", "anisor",
 ];
@@ -59,7 +85,7 @@ const MAPS: [&str; 10] = [
     "map_kd", "map_ks", "map_ke", "map_d", "map_pr", "map_pm", "map_ps", "bump", "norm", "map_tr",
 ];
 /// Known, but without meaning in a path tracer.
-const IGNORED: [&str; 4] = ["ka", "map_ka", "sharpness", "map_aat"];
+const IGNORED: [&str; 3] = ["map_ka", "sharpness", "map_aat"];
 /// Known, and missed in the picture.
 const UNSUPPORTED: [&str; 7] = ["decal", "disp", "map_disp", "refl", "map_refl", "map_tf", "map_ns"];
 
@@ -101,6 +127,7 @@ fn parse(bytes: &[u8], path: &Path, library: &mut Library, report: &mut Report) 
         line: 1,
         report,
     };
+    let blender = Blender::of(bytes);
     let mut current: Option<(String, Mtl)> = None;
     let mut found = 0_usize;
     let mut keep = |done: Option<(String, Mtl)>| {
@@ -120,6 +147,7 @@ fn parse(bytes: &[u8], path: &Path, library: &mut Library, report: &mut Report) 
             let place = parser.place();
             let mtl = Mtl {
                 place,
+                blender,
                 ..Mtl::default()
             };
             current = Some((text(after_keyword(&statement)), mtl));

@@ -258,6 +258,75 @@ fn a_phong_highlight_becomes_a_coat_of_matching_roughness() {
 }
 
 #[test]
+fn a_mask_is_in_the_alpha_that_varies_or_else_in_the_grey() {
+    let png = |alpha: [u8; 2]| {
+        let image = image::RgbaImage::from_fn(2, 1, |x, _| image::Rgba([255, 255, 255, alpha[x as usize]]));
+        let mut out = std::io::Cursor::new(Vec::new());
+        image.write_to(&mut out, image::ImageFormat::Png).expect("into memory");
+        out.into_inner()
+    };
+    let obj = format!("mtllib a.mtl\n{SQUARE}vt 0 0\nusemtl m\nf 1/1 2/1 3/1 4/1\n");
+    for (alpha, channel) in [([255, 0], Channel::A), ([255, 255], Channel::R)] {
+        let (mask, mtl) = (png(alpha), b"newmtl m\nKd 1 1 1\nmap_d mask.png\n");
+        let files = [
+            ("m/a.obj", obj.as_bytes()),
+            ("m/a.mtl", &mtl[..]),
+            ("m/mask.png", &mask),
+        ];
+        let (scene, diags) = load_files(&files);
+        assert!(diags.is_empty(), "{diags:#?}");
+        let material = &scene.materials[scene.meshes[0].slot_material(0).expect("a material").index()];
+        assert_eq!(material.opacity.alpha.texture.map(|t| t.1), Some(channel), "{alpha:?}");
+    }
+}
+
+/// What Blender 5.0.1 wrote of principled surfaces whose values are known.
+#[test]
+fn blenders_dialect_gives_its_surface_back() {
+    let read = |body: &str| {
+        let mtl = format!("# Blender 5.0.1 MTL File: 'None'\n# www.blender.org\n\nnewmtl m\n{body}\n");
+        let obj = format!("mtllib a.mtl\n{SQUARE}usemtl m\nf 1 2 3 4\n");
+        let (scene, diags) = load_files(&[("m/a.obj", obj.as_bytes()), ("m/a.mtl", mtl.as_bytes())]);
+        assert!(diags.is_empty(), "{diags:#?}");
+        let m = scene.materials[scene.meshes[0].slot_material(0).expect("a material").index()].clone();
+        let SurfaceModel::Principled(p) = m.surface else {
+            panic!("{:?}", m.surface);
+        };
+        (*p, m.opacity)
+    };
+    let head = "Kd 0.8 0.8 0.8\nKe 0 0 0\n";
+    let (p, opacity) = read(&format!("{head}Ns 250\nKa 1 1 1\nKs 0.5 0.5 0.5\nNi 1.5\nd 1\nillum 2"));
+    assert_eq!(
+        (p.roughness.factor, p.metallic.factor, p.specular.factor),
+        (0.5, 0.0, 1.0)
+    );
+    assert_eq!(opacity.mode, OpacityMode::Opaque);
+    let (p, _) = read(&format!("{head}Ns 640\nKa 1 1 1\nKs 0.5 0.5 0.5\nNi 1.5\nd 1\nillum 3"));
+    assert!((p.roughness.factor - 0.2).abs() < 1e-12);
+    assert_eq!(p.metallic.factor, 1.0);
+    // Transparency is coverage here: nothing refracts.
+    let (p, opacity) = read(&format!(
+        "{head}Ns 250\nKa 1 1 1\nKs 0.5 0.5 0.5\nNi 1.5\nd 0.5\nillum 9"
+    ));
+    assert_eq!((p.metallic.factor, p.transmission.factor), (0.0, 0.0));
+    assert_eq!((opacity.mode, opacity.alpha.factor), (OpacityMode::Blend, 0.5));
+    let (p, _) = read(&format!("{head}Ns 250\nKa 1 1 1\nKs 0 0 0\nNi 1.5\nd 1\nillum 1"));
+    assert_eq!(p.specular.factor, 0.0);
+    // With its extended set on, Pr and Pm say it themselves.
+    let (p, _) = read(&format!(
+        "{head}Ks 0.25 0.25 0.25\nNi 1.4\nd 1\nillum 3\nPr 0.2\nPm 0.75\nPc 0.5\nPcr 0.03"
+    ));
+    assert_eq!(
+        (p.roughness.factor, p.metallic.factor, p.specular.factor),
+        (0.2, 0.75, 0.5)
+    );
+    assert_eq!(
+        (p.ior, p.clearcoat.factor, p.clearcoat_roughness.factor),
+        (1.4, 0.5, 0.03)
+    );
+}
+
+#[test]
 fn illumination_models_choose_glass_and_mirror() {
     let glass = material("Kd 0 0 0\nTf 0.9 1 1\nNi 1.33\nd 0.1\nillum 7").0;
     let SurfaceModel::Glass {

@@ -5,6 +5,7 @@ use super::mtl::Map;
 use super::report::Report;
 use crate::diag::Diagnostic;
 use crate::files::Files;
+use crate::pictures::Picture;
 use crate::scene::{
     Encoding, Image, ImageId, ImageSource, ImageTexture, Place, Scene, TexelFilter, Texture, TextureId, Wrap,
 };
@@ -45,6 +46,7 @@ impl<'a> Textures<'a> {
             scene.add_image(Image {
                 name: path.display().to_string(),
                 source: ImageSource::File(path.clone()),
+                fallback: None,
                 place: Place::Model(map.place.clone()),
             })
         });
@@ -73,15 +75,7 @@ impl<'a> Textures<'a> {
         if ["height", "bump", "disp"].iter().any(|s| name.contains(s)) {
             return false;
         }
-        let Some(path) = self.locate(map, report) else {
-            return false;
-        };
-        let Ok(bytes) = self.files.read(&path) else {
-            return false;
-        };
-        let limits = crate::pictures::Limits::default();
-        // What cannot be decoded is reported where it is used.
-        let Ok(picture) = crate::pictures::decode(&bytes, &map.file, limits) else {
+        let Some(picture) = self.picture(map, report) else {
             return false;
         };
         let count = picture.texels.len();
@@ -93,6 +87,18 @@ impl<'a> Textures<'a> {
         }
         let [r, g, b, _] = sum.map(|s| s / n);
         (r - 0.5).abs() < 0.15 && (g - 0.5).abs() < 0.15 && b > 0.75
+    }
+
+    /// Whether an image has an alpha channel that is not the same everywhere.
+    pub fn has_alpha(&self, map: &Map, report: &mut Report) -> bool {
+        self.picture(map, report).is_some_and(|p| !p.texels.uniform()[3])
+    }
+
+    /// The decoded image; what cannot be decoded is reported where it is used.
+    fn picture(&self, map: &Map, report: &mut Report) -> Option<Picture> {
+        let path = self.locate(map, report)?;
+        let bytes = self.files.read(&path).ok()?;
+        crate::pictures::decode(&bytes, &map.file, crate::pictures::Limits::default()).ok()
     }
 }
 

@@ -104,6 +104,7 @@ impl Interp<'_> {
             None => out.add_image(Image {
                 name: image.name.clone(),
                 source,
+                fallback: None,
                 place: Place::Text(image.span),
             }),
         };

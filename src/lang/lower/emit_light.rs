@@ -134,6 +134,7 @@ impl Interp<'_> {
                 image: out.add_image(Image {
                     name: path.display().to_string(),
                     source: ImageSource::File(path),
+                    fallback: None,
                     place: Place::Text(span),
                 }),
                 strength,

@@ -14,17 +14,18 @@ mod topdown;
 
 use cuts::Cuts;
 
-struct Item(Aabb);
+struct Item(Bounds);
 
 impl Boundable for Item {
     fn aabb(&self) -> Aabb {
-        self.0
+        Aabb::new(self.0.min.into(), self.0.max.into())
     }
 }
 
 /// A tree over these boxes with at most `leaf_size` primitives a leaf. Empty input gives an empty tree; identical boxes,
 /// flat ones and huge ones are all fine. How thoroughly it is built changes what a ray visits, never what it hits.
-pub fn build_tree(bounds: &[Bounds], leaf_size: u32, preset: BuildPreset) -> Tree {
+/// The boxes are taken so that they need not stay in memory while the tree grows.
+pub fn build_tree(bounds: Vec<Bounds>, leaf_size: u32, preset: BuildPreset) -> Tree {
     if bounds.is_empty() {
         return Tree::default();
     }
@@ -38,26 +39,18 @@ pub fn build_tree(bounds: &[Bounds], leaf_size: u32, preset: BuildPreset) -> Tre
     } else {
         1.0
     };
-    let stacks = Stacks::find(bounds);
-    let boxes: Vec<Bounds> = stacks
-        .lowest
-        .iter()
-        .map(|&i| scaled(stacks.bounds(bounds, i), 1.0 / unit))
-        .collect();
+    let stacks = Stacks::find(&bounds);
+    let (boxes, bounds) = stacks.boxes(bounds, 1.0 / unit);
     let binary = if topdown::is_needed(&boxes) {
         topdown::build(&boxes, leaf_size as usize)
     } else {
-        cluster(&boxes, leaf_size, preset)
+        cluster(boxes, leaf_size, preset)
     };
-    let mut tree = widen(
-        &binary,
-        unit,
-        &stacks,
-        &Leaves {
-            bounds,
-            size: leaf_size as usize,
-        },
-    );
+    let leaves = Leaves {
+        bounds: &bounds,
+        size: leaf_size as usize,
+    };
+    let mut tree = widen(&binary, unit, &stacks, &leaves);
     tree.stack_need = stack_need(&tree);
     tree
 }
@@ -106,6 +99,16 @@ impl Stacks {
             lowest: (0..bounds.len() as u32).filter(is_lowest).collect(),
             members,
         }
+    }
+
+    /// The builder's boxes, scaled, and the primitives' own where there are stacks to be opened again.
+    fn boxes(&self, mut bounds: Vec<Bounds>, factor: f64) -> (Vec<Bounds>, Vec<Bounds>) {
+        if self.members.is_empty() {
+            bounds.iter_mut().for_each(|b| *b = scaled(*b, factor));
+            return (bounds, Vec::new());
+        }
+        let scaled = |&i: &u32| scaled(self.bounds(&bounds, i), factor);
+        (self.lowest.iter().map(scaled).collect(), bounds)
     }
 
     /// The box of a stack or single primitive.
@@ -165,16 +168,15 @@ fn scaled(b: Bounds, factor: f64) -> Bounds {
 
 /// The usual way: clustering, then optimisation by reinsertion, then leaves as full as they may be (a leaf costs the
 /// same however full it is).
-fn cluster(boxes: &[Bounds], leaf_size: u32, preset: BuildPreset) -> Bvh2 {
+fn cluster(boxes: Vec<Bounds>, leaf_size: u32, preset: BuildPreset) -> Bvh2 {
     // In a row of equal boxes all neighbours are equally good, and one pair would be merged a round. Widening each box
     // by its own share of 2⁻¹² breaks the ties.
-    let widened = |(b, i): (&Bounds, u32)| {
-        let share = (i.wrapping_mul(0x9E37_79B9) >> 8) as f32 / 16_777_216.0 / 4096.0;
+    let widened = |(i, b): (usize, Bounds)| {
+        let share = ((i as u32).wrapping_mul(0x9E37_79B9) >> 8) as f32 / 16_777_216.0 / 4096.0;
         let max = b.max + (b.max - b.min).max_element() * share;
-        Item(Aabb::new(b.min.into(), max.into()))
+        Item(Bounds { min: b.min, max })
     };
-    let items: Vec<Item> = boxes.iter().zip(0..).map(widened).collect();
-    let items = &items[..];
+    let items: Vec<Item> = boxes.into_iter().enumerate().map(widened).collect();
     // The library's presets, of which pre-splitting and the cost model of leaves are not used here.
     let params = match preset {
         BuildPreset::Fast => BvhBuildParams::fastest_build(),
@@ -183,11 +185,12 @@ fn cluster(boxes: &[Bounds], leaf_size: u32, preset: BuildPreset) -> Bvh2 {
     };
     let mut bvh = PlocBuilder::with_capacity(items.len()).build(
         params.ploc_search_distance,
-        items,
+        &items,
         (0..items.len() as u32).collect(),
         params.sort_precision,
         params.search_depth_threshold,
     );
+    drop(items);
     let mut optimizer = ReinsertionOptimizer::default();
     let mut optimize = |bvh: &mut Bvh2, ratio: f32| {
         if ratio > 0.0 {
@@ -244,6 +247,7 @@ fn widen(binary: &Bvh2, unit: f64, stacks: &Stacks, leaves: &Leaves) -> Tree {
 
 /// How leaves are made.
 struct Leaves<'a> {
+    /// The primitives' boxes; none where no leaf can be too full.
     bounds: &'a [Bounds],
     /// Most primitives of one.
     size: usize,

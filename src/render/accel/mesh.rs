@@ -40,16 +40,22 @@ impl MeshTree {
             let p = positions.get(i as usize).filter(|p| p.is_finite())?;
             Some((p.as_dvec3() / unit).as_vec3())
         };
-        let mut items: Vec<(u32, [Vec3; 3])> = Vec::with_capacity(triangles.len());
-        for (id, t) in triangles.iter().enumerate() {
-            if let (Some(a), Some(b), Some(c)) = (corner(t[0]), corner(t[1]), corner(t[2])) {
-                items.push((id as u32, [a, b, c]));
+        let corners = |id: u32| {
+            let [a, b, c] = triangles[id as usize];
+            Some([corner(a)?, corner(b)?, corner(c)?])
+        };
+        let mut ids: Vec<u32> = Vec::with_capacity(triangles.len());
+        let mut bounds: Vec<Bounds> = Vec::with_capacity(triangles.len());
+        for id in 0..triangles.len() as u32 {
+            if let Some(corners) = corners(id) {
+                ids.push(id);
+                bounds.push(Bounds::around(&corners));
             }
         }
-        let bounds: Vec<Bounds> = items.iter().map(|(_, corners)| Bounds::around(corners)).collect();
-        let tree = build_tree(&bounds, LANES as u32, preset);
+        let tree = build_tree(bounds, LANES as u32, preset);
         let pack = |leaf: &[u32]| {
-            let few: Vec<_> = leaf.iter().map(|&i| items[i as usize]).collect();
+            let ids = leaf.iter().map(|&i| ids[i as usize]);
+            let few: Vec<_> = ids.filter_map(|id| Some((id, corners(id)?))).collect();
             TriangleBlock::new(&few)
         };
         MeshTree {
@@ -80,11 +86,11 @@ impl MeshTree {
                 .iter()
                 .flat_map(|f| corners.map(|c| f.positions[c as usize]));
             let points: Vec<Vec3> = points.map(|p| in_unit(p, unit)).collect();
-            // What lies between two forms is rounded three times.
-            Bounds::around(&points).padded(4.0 * UNIT_ROUNDOFF)
+            // Between two forms the difference, its share and the sum are rounded: by 5 units of the largest coordinate.
+            Bounds::around(&points).padded(8.0 * UNIT_ROUNDOFF)
         };
         let bounds: Vec<Bounds> = ids.iter().map(on_its_way).collect();
-        let tree = build_tree(&bounds, LANES as u32, preset);
+        let tree = build_tree(bounds, LANES as u32, preset);
         let pack = |leaf: &[u32]| {
             let mut few = [u32::MAX; LANES];
             few.iter_mut().zip(leaf).for_each(|(to, i)| *to = ids[*i as usize]);

@@ -106,7 +106,7 @@ impl SceneTree {
                 }
             }
         }
-        let built = build_tree(&bounds, 1, preset);
+        let built = build_tree(bounds, 1, preset);
         tree.stack_need = built.stack_need;
         tree.nodes = built.nodes;
         // One object a leaf: name it in the node itself.

@@ -4,15 +4,27 @@ use super::contact::contact;
 use super::fold::Sides;
 use super::tier::Tier;
 use super::{Kernel, MIRROR_LIKE, MOST_PASSES, NO_ATTRIBUTES, PathStats, Way, go_on};
+use crate::math::frame::Frame;
+use crate::render::bsdf::Bsdf;
+use crate::render::bsdf::diffuse::Diffuse;
 use crate::render::light::{LightSample, mis_weight};
 use crate::render::material::Material;
 use crate::render::medium::{Medium, MediumStack};
 use crate::render::ray::{Hit, PrimRef, Ray};
 use crate::render::report::Anomaly;
+use crate::render::sampler::Group;
 use crate::render::surface::Surface;
 use crate::render::technique::Direct;
 use crate::render::wavelength::Wavelength;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+
+/// What [`Kernel::slope`] scatters.
+pub(super) struct Slope {
+    /// What a light sample adds.
+    pub lit: Vec3,
+    /// Where the path goes on, and the density of that direction.
+    pub next: Option<(Vec3, f32)>,
+}
 
 impl Kernel<'_> {
     /// What one light sample adds to the radiance that leaves the surface.
@@ -72,6 +84,48 @@ impl Kernel<'_> {
             return Vec3::ZERO;
         }
         unshadowed * self.visibility::<T>(light, ray, media, wavelength, stats)
+    }
+
+    /// Reflected light that a slope has sent below the surface meets the next slope: a white, even surface about the
+    /// geometric normal, at the same point.
+    #[cold]
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)] // what a path is made of
+    pub(super) fn slope<T: Tier>(
+        &self,
+        sides: &Sides,
+        surface: &Surface,
+        media: &MediumStack,
+        way: Way,
+        wavelength: Option<Wavelength>,
+        time: f32,
+        numbers: impl Fn(Group) -> [f32; 4],
+        stats: &mut PathStats,
+    ) -> Slope {
+        let frame = Frame::from_normal(sides.ng);
+        let white = Diffuse { albedo: Vec3::ONE };
+        let even = Sides {
+            bsdf: &Bsdf::Diffuse(white),
+            frame: &frame,
+            ng: sides.ng,
+            wo: Vec3::new(0.0, 0.0, 1.0f32.copysign(sides.wo.z)),
+        };
+        let u = numbers(Group::Light);
+        let place = Vec2::new(u[0], u[1]);
+        let sampled = self
+            .scene
+            .lights
+            .sample(surface.p, sides.up(), false, u[2], place, time);
+        let lit = match sampled.filter(|_| self.sample_lights) {
+            Some(light) if light.delta || self.direct != Direct::Bsdf => {
+                self.lit::<T>(&light, &even, surface, media, way, wavelength, stats)
+            }
+            _ => Vec3::ZERO,
+        };
+        let u = numbers(Group::Primary);
+        let next = white.sample(even.wo, Vec2::new(u[0], u[1]));
+        let next = next.map(|s| even.fold(&s, frame.to_world(s.wi)));
+        Slope { lit, next }
     }
 
     /// The radiance that the sampled point of a textured light emits towards `p`, as far as the light is there.

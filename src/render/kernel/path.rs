@@ -11,6 +11,7 @@ use crate::render::material::Alpha;
 use crate::render::ray::{PrimRef, Ray, ray_mask};
 use crate::render::report::Anomaly;
 use crate::render::sampler::{Group, Repeated, Sampler};
+use crate::render::surface::Surface;
 use crate::render::technique::Direct;
 use crate::render::wavelength::Wavelength;
 use glam::{DVec3, Vec2, Vec3};
@@ -218,8 +219,31 @@ impl Kernel<'_> {
                 nearly_unit(wi)
             };
             let crosses = (s.wi.z < 0.0) != (wo_local.z < 0.0);
-            let (wi, pdf) = sides.fold(&s, wi);
             throughput *= s.weight * (s.eta * s.eta);
+            if sides.meets_slope(&s, wi) {
+                throughput *= bsdf.albedo(wo_local).clamp(Vec3::ZERO, Vec3::ONE);
+                let numbers = |group| sampler.repeated4(bounce, group, MOST_PASSES + 1 + passes);
+                let slope = self.slope::<T>(&sides, &surface, &media, from.way, wavelength, ray.time, numbers, stats);
+                out.radiance += throughput * slope.lit;
+                let Some((wi, pdf)) = slope.next else {
+                    return out;
+                };
+                if !self.survives(&mut throughput, bounce, scatter[3]) {
+                    return out;
+                }
+                from = Departure {
+                    p: surface.p,
+                    n: sides.up(),
+                    two_sided: false,
+                    pdf: Some(pdf),
+                    way: self.way_on(from.way, false),
+                };
+                ray = leaving(&surface, wi, ray.time);
+                bounce += 1;
+                passes = 0;
+                continue;
+            }
+            let (wi, pdf) = sides.fold(&s, wi);
             if crosses && material.interior {
                 let ior = material.ior_at(wavelength);
                 let mut is_known = media.cross(surface.prim.object, front, ior, material.medium);
@@ -252,18 +276,24 @@ impl Kernel<'_> {
                 pdf: (!s.delta).then_some(pdf),
                 way: self.way_on(from.way, s.delta || pdf >= MIRROR_LIKE),
             };
-            ray = Ray {
-                origin: offset_origin(surface.p, surface.p_error, surface.ng, wi),
-                dir: wi,
-                dir_low: Vec3::ZERO,
-                t_max: f32::INFINITY,
-                from: surface.prim,
-                to: PrimRef::NONE,
-                mask: ray_mask::INDIRECT,
-                time: ray.time,
-            };
+            ray = leaving(&surface, wi, ray.time);
             bounce += 1;
             passes = 0;
         }
+    }
+}
+
+/// The ray of a scattered path.
+#[inline(always)]
+fn leaving(surface: &Surface, wi: Vec3, time: f32) -> Ray {
+    Ray {
+        origin: offset_origin(surface.p, surface.p_error, surface.ng, wi),
+        dir: wi,
+        dir_low: Vec3::ZERO,
+        t_max: f32::INFINITY,
+        from: surface.prim,
+        to: PrimRef::NONE,
+        mask: ray_mask::INDIRECT,
+        time,
     }
 }

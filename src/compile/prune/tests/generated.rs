@@ -41,6 +41,7 @@ pub(super) fn add_textures(scene: &mut Scene) {
         scene.add_image(Image {
             name: name.to_owned(),
             source,
+            fallback: None,
             place: Place::None,
         });
     }

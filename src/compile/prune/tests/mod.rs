@@ -194,6 +194,7 @@ fn passes_without_bits_keep_the_mean() {
                     height: 1,
                     data: vec![[0.0; 3]; 2].into(),
                 },
+                fallback: None,
                 place: Place::None,
             });
             s.environment.kind = EnvironmentKind::Image {
@@ -268,6 +269,7 @@ fn wood(file: &str) -> Image {
     Image {
         name: file.to_owned(),
         source: ImageSource::File(file.into()),
+        fallback: None,
         place: Place::None,
     }
 }

@@ -3,14 +3,19 @@
 use super::super::node::WIDTH;
 use obvhs::bvh2::Bvh2;
 
-/// The cheapest way to cover a subtree with at most i + 1 wide children, for each i.
-#[derive(Clone, Copy)]
+/// What the cheapest cover of a subtree with at most i + 1 wide children costs, for each i.
+type Costs = [f32; WIDTH];
+
+/// How many wide children lie in the left and the right half, in four bits each; 0 for one child that is the node itself.
+type Halves = u8;
+
+/// The cheapest way to cover a subtree.
+#[derive(Clone, Copy, Default)]
 struct Cover {
-    cost: [f32; WIDTH],
-    /// How many of them lie in the left and the right half; (0, 0) for one child that is this node itself.
-    halves: [(u8, u8); WIDTH],
-    /// The halves when this node becomes a wide node.
-    open: (u8, u8),
+    /// With at most i + 1 wide children, for each i.
+    halves: [Halves; WIDTH],
+    /// When this node becomes a wide node.
+    open: Halves,
 }
 
 /// The cheapest cover of every binary node.
@@ -23,27 +28,27 @@ pub struct Cuts(Vec<Cover>);
 impl Cuts {
     /// Computes all covers.
     pub fn new(binary: &Bvh2) -> Cuts {
-        let mut order = Vec::with_capacity(binary.nodes.len());
-        let mut work = vec![0usize];
+        let mut order: Vec<u32> = Vec::with_capacity(binary.nodes.len());
+        let mut work = vec![0u32];
         while let Some(n) = work.pop() {
             order.push(n);
-            let node = &binary.nodes[n];
+            let node = &binary.nodes[n as usize];
             if !node.is_leaf() {
-                work.extend([node.first_index as usize, node.first_index as usize + 1]);
+                work.extend([node.first_index, node.first_index + 1]);
             }
         }
-        // Leaves cost the same in every tree, so they count as nothing.
-        let leaf = Cover {
-            cost: [0.0; WIDTH],
-            halves: [(0, 0); WIDTH],
-            open: (0, 0),
-        };
-        let mut covers = vec![leaf; binary.nodes.len()];
+        let mut covers = vec![Cover::default(); binary.nodes.len()];
+        // Backwards, both halves of a node come right before it: their costs are the last two.
+        let mut costs: Vec<Costs> = Vec::new();
         for &n in order.iter().rev() {
-            let node = &binary.nodes[n];
-            if !node.is_leaf() {
-                let first = node.first_index as usize;
-                covers[n] = join(&covers[first], &covers[first + 1], node.aabb().half_area());
+            let node = &binary.nodes[n as usize];
+            if node.is_leaf() {
+                // Leaves cost the same in every tree, so they count as nothing.
+                costs.push([0.0; WIDTH]);
+            } else if let (Some(right), Some(left)) = (costs.pop(), costs.pop()) {
+                let (cover, cost) = join(&left, &right, node.aabb().half_area());
+                covers[n as usize] = cover;
+                costs.push(cost);
             }
         }
         Cuts(covers)
@@ -53,7 +58,8 @@ impl Cuts {
     pub fn children(&self, binary: &Bvh2, root: usize) -> Vec<usize> {
         let mut children = Vec::with_capacity(WIDTH);
         let mut work = vec![(root, self.0[root].open)];
-        while let Some((n, (left, right))) = work.pop() {
+        while let Some((n, halves)) = work.pop() {
+            let (left, right) = (halves >> 4, halves & 15);
             if left == 0 {
                 children.push(n);
                 continue;
@@ -67,34 +73,26 @@ impl Cuts {
     }
 }
 
-fn join(left: &Cover, right: &Cover, area: f32) -> Cover {
+fn join(left: &Costs, right: &Costs, area: f32) -> (Cover, Costs) {
     let split = |count: usize| {
         (1..count)
-            .map(|k| {
-                (
-                    left.cost[k - 1] + right.cost[count - k - 1],
-                    (k as u8, (count - k) as u8),
-                )
-            })
+            .map(|k| (left[k - 1] + right[count - k - 1], (k << 4 | (count - k)) as Halves))
             .fold(
-                (f32::INFINITY, (1, 1)),
+                (f32::INFINITY, 0x11),
                 |best, next| if next.0 < best.0 { next } else { best },
             )
     };
     let (below, open) = split(WIDTH);
-    let mut cover = Cover {
-        cost: [area + below; WIDTH],
-        halves: [(0, 0); WIDTH],
-        open,
-    };
+    let mut cost = [area + below; WIDTH];
+    let mut halves = [0; WIDTH];
     for i in 1..WIDTH {
-        let (cost, halves) = split(i + 1);
+        let (split_cost, split_halves) = split(i + 1);
         // At equal cost (boxes without area) more children are better.
-        (cover.cost[i], cover.halves[i]) = if cost <= cover.cost[i - 1] {
-            (cost, halves)
+        (cost[i], halves[i]) = if split_cost <= cost[i - 1] {
+            (split_cost, split_halves)
         } else {
-            (cover.cost[i - 1], cover.halves[i - 1])
+            (cost[i - 1], halves[i - 1])
         };
     }
-    cover
+    (Cover { halves, open }, cost)
 }
