@@ -235,6 +235,45 @@ fn a_model_plays_by_the_clock_that_it_is_given() {
     }
 }
 
+/// Morph targets of a model that plays are followed over the shutter.
+#[test]
+fn a_model_that_plays_changes_its_form() {
+    let mut m = Model::triangle();
+    let d = m.floats("VEC3", &[1.0, 0.0, 0.0].repeat(3));
+    m.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": d}]);
+    let (input, output) = (m.floats("SCALAR", &[0.0, 1.0]), m.floats("SCALAR", &[0.0, 8.0]));
+    m.push(
+        "animations",
+        json!({
+            "samplers": [{"input": input, "output": output}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
+        }),
+    );
+    let mut files = MemoryFiles::default();
+    files.insert("model.gltf", m.text());
+    files.insert(
+        "scene.pts",
+        &b"gltf { \"model.gltf\" clock clock } gltf { \"model.gltf\" }"[..],
+    );
+    let options = LoadOptions {
+        clock: Some(0.25),
+        shutter: Some(0.5),
+        ..LoadOptions::default()
+    };
+    let (mut sources, mut diags) = (SourceMap::default(), Diagnostics::default());
+    let scene = load("scene.pts".as_ref(), &files, &options, &mut sources, &mut diags);
+    let scene = scene.unwrap_or_else(|| panic!("{diags:#?}"));
+    assert!(diags.is_empty(), "{diags:?}");
+    let [played, still] = [&scene.meshes[0], &scene.meshes[1]];
+    assert!(played.bends() && !still.bends());
+    let x = |p: &[glam::Vec3]| played.center.x + f64::from(p[0].x);
+    let ways: Vec<f64> = std::iter::once(x(&played.positions))
+        .chain(played.later.iter().map(|f| x(&f.positions)))
+        .collect();
+    let expected: Vec<f64> = (0..9).map(|k| 8.0 * (0.25 + 0.5 * f64::from(k) / 8.0)).collect();
+    assert_eq!(ways, expected);
+}
+
 /// A wall of 2 by 2 texels: white, red above; green, blue below.
 fn wall() -> Model {
     let texels = [255, 255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 255];

@@ -210,13 +210,7 @@ fn white_is_lost_under_no_two_extensions() {
             // Alternating keeps the time.
             let roughness = if (i + b.len()) % 2 == 0 { 0.15 } else { 0.6 };
             let name = format!("{a} with {b}, roughness {roughness}");
-            check(
-                &name,
-                material(&[part, other], roughness, WHITE),
-                128,
-                least(&[a, b]),
-                1.01,
-            );
+            check(&name, material(&[part, other], roughness, WHITE), least(&[a, b]), 1.01);
         }
     }
 }

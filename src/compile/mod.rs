@@ -10,6 +10,7 @@ pub mod effects;
 mod flatten;
 mod images;
 mod lights;
+mod loose;
 mod materials;
 mod media;
 mod motion;

@@ -1,11 +1,13 @@
 //! Placed shapes become the engine's objects; what emits becomes a light as well.
 
 use super::flatten::Leaf;
+use super::loose::Loose;
 use super::materials::Materials;
 use super::motion;
 use super::winding::{Solids, turn_outward};
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::math::robust::try_normalize_f64;
+use crate::render::bend::{Bend, Form};
 use crate::render::geometry::{GeomObject, LightMap, MeshData};
 use crate::render::light::{DiscLight, Light, ParallelogramLight, SphereLight, TriangleLight};
 use crate::render::material::{Alpha, Material};
@@ -16,6 +18,7 @@ use crate::render::surface::Surface;
 use crate::scene::{MaterialId, Mesh, MeshId, Scene, Shape, Visibility};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Collects objects, meshes and the lights among them.
 pub struct Objects<'a, 'm, 'i> {
@@ -32,16 +35,6 @@ pub struct Objects<'a, 'm, 'i> {
     pub meshes: Vec<MeshData>,
     /// Emitting shapes, indexed as the objects say.
     pub lights: Vec<Light>,
-}
-
-/// Triangles that were written one by one, in world space, where they stand when the shutter opens.
-#[derive(Default)]
-struct Loose {
-    positions: Vec<DVec3>,
-    normals: Vec<Vec3>,
-    materials: Vec<u32>,
-    /// How all of them move.
-    motion: Option<Box<Motion>>,
 }
 
 impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
@@ -176,6 +169,8 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
             }
         };
         let world = world * DAffine3::from_translation(mesh.center);
+        let bends = self.meshes[index as usize].bend.is_some();
+        let motion = motion.or_else(|| bends.then(|| Box::new(Motion::still())));
         self.place_mesh(index, (world, motion), materials, visibility);
     }
 
@@ -189,7 +184,9 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         let object = self.objects.len() as u32;
         let first = self.lights.len();
         let emitting = |m: &u32| self.materials.materials[*m as usize].is_light();
-        let lights = if materials.iter().any(emitting) && visibility & ray_mask::INDIRECT != 0 {
+        // Nobody can aim at a face that changes its form: rays find it by chance.
+        let bends = self.meshes[mesh as usize].bend.is_some();
+        let lights = if !bends && materials.iter().any(emitting) && visibility & ray_mask::INDIRECT != 0 {
             let data = &self.meshes[mesh as usize];
             let flipped = data.flip_winding != (world.matrix3.determinant() < 0.0);
             let mut table = vec![Surface::NOT_A_LIGHT; data.triangles.len()];
@@ -441,46 +438,20 @@ fn mesh_data(mesh: &Mesh) -> MeshData {
         triangles: mesh.triangles.clone(),
         face_materials: mesh.face_materials.clone(),
         flip_winding: mesh.flip_winding,
+        bend: bend_of(mesh),
         ..MeshData::default()
     }
 }
 
-impl Loose {
-    fn add(&mut self, world: &DAffine3, vertices: &[DVec3; 3], normals: Option<&[DVec3; 3]>, material: u32) {
-        let corners = vertices.map(|v| world.transform_point3(v));
-        let [a, b, c] = corners;
-        let flat = (b - a).cross(c - a);
-        // The world normal is on the side that the shape's own normal is mapped to.
-        let turned = world.matrix3.determinant() < 0.0;
-        if turned {
-            self.positions.extend([a, c, b]);
-        } else {
-            self.positions.extend([a, b, c]);
-        }
-        let face = if turned { -flat } else { flat };
-        let map = world.matrix3.inverse().transpose();
-        let mapped = |n: DVec3| try_normalize_f64(map * n).unwrap_or(face).as_vec3();
-        let flat = try_normalize_f64(face).unwrap_or(DVec3::ZERO).as_vec3();
-        match normals {
-            Some(&[n0, n1, n2]) if turned => self.normals.extend([n0, n2, n1].map(mapped)),
-            Some(n) => self.normals.extend(n.map(mapped)),
-            None => self.normals.extend([flat; 3]),
-        }
-        self.materials.push(material);
+fn bend_of(mesh: &Mesh) -> Option<Arc<Bend>> {
+    if !mesh.bends() {
+        return None;
     }
-
-    /// The mesh and its materials by slot.
-    fn into_mesh(self) -> (Mesh, Vec<u32>) {
-        let mut mesh = Mesh::from_f64("triangles", &self.positions, &[]).unwrap_or_default();
-        mesh.normals = self.normals;
-        let mut slots: Vec<u32> = self.materials.clone();
-        slots.sort();
-        slots.dedup();
-        for (i, material) in self.materials.iter().enumerate() {
-            let slot = slots.binary_search(material).unwrap_or(0) as u32;
-            let first = i as u32 * 3;
-            mesh.push_face([first, first + 1, first + 2], Some(slot));
-        }
-        (mesh, slots)
-    }
+    let form = |positions: &[Vec3], normals: &[Vec3]| Form {
+        positions: positions.to_vec(),
+        normals: normals.to_vec(),
+    };
+    let later = mesh.later.iter().map(|f| form(&f.positions, &f.normals));
+    let forms = std::iter::once(form(&mesh.positions, &mesh.normals)).chain(later);
+    Bend::new(forms.collect()).map(Arc::new)
 }

@@ -5,10 +5,14 @@
 
 use super::form;
 use crate::scene::{
-    CameraKey, GroupId, Light, LightKind, Material, MaterialId, Object, Place, Scene, Shape, SurfaceModel,
+    CameraKey, GroupId, Light, LightKind, Material, MaterialId, Mesh, MeshForm, MeshId, Object, Place, Scene, Shape,
+    SurfaceModel,
 };
-use glam::DAffine3;
+use glam::{DAffine3, Vec3};
 use std::collections::{BTreeMap, HashMap};
+
+/// Meshes of more vertices keep their form.
+const MOST_VERTICES: usize = 1 << 20;
 
 /// Mixtures nested deeper than this contain themselves; `compile` refuses them.
 const DEEPEST: u32 = 64;
@@ -32,6 +36,8 @@ pub struct Pose {
     pub lights: Vec<Option<LightKind>>,
     /// The camera in use; `None` if it is not found again.
     pub camera: Option<CameraKey>,
+    /// Meshes of models that have another form.
+    pub forms: BTreeMap<MeshId, MeshForm>,
 }
 
 /// Something that differs in more than its place.
@@ -78,6 +84,7 @@ pub fn pose(first: &Scene, other: &Scene) -> (Pose, Vec<Change>) {
             objects: vec![Step::Same; count],
             lights: Vec::new(),
             camera: None,
+            forms: BTreeMap::new(),
         },
         changes: Vec::new(),
     };
@@ -173,9 +180,13 @@ impl Follower<'_> {
                 }
             }
             (Shape::Mesh(a), Shape::Mesh(b)) => {
+                let id = *a;
                 let (a, b) = (self.first.meshes.get(a.index())?, self.other.meshes.get(b.index())?);
-                // A model stands as it was read; its meshes are not read again.
+                // A model is placed by its nodes; vertices are there only where it plays.
                 if matches!(object.place, Place::Model(_)) {
+                    if !self.pose.forms.contains_key(&id) && !b.positions.is_empty() {
+                        self.form(id, a, b, &object.place);
+                    }
                     return Some(DAffine3::IDENTITY);
                 }
                 let is_same_form = a.positions == b.positions && a.triangles == b.triangles;
@@ -207,6 +218,23 @@ impl Follower<'_> {
             &object.place,
         );
         None
+    }
+
+    /// Keeps the form that a mesh of a model has.
+    fn form(&mut self, id: MeshId, a: &Mesh, b: &Mesh, place: &Place) {
+        let shift = (b.center - a.center).as_vec3();
+        let positions: Vec<Vec3> = b.positions.iter().map(|p| *p + shift).collect();
+        if positions == a.positions && b.normals == a.normals {
+            return;
+        }
+        let is_followed = a.positions.len() <= MOST_VERTICES
+            && (a.positions.len(), a.normals.len(), &a.triangles) == (b.positions.len(), b.normals.len(), &b.triangles);
+        if !is_followed {
+            self.tell("a mesh of a model changes its form", LOOKS, place);
+            return;
+        }
+        let normals = b.normals.clone();
+        self.pose.forms.insert(id, MeshForm { positions, normals });
     }
 
     /// Follows what is in a group, once. Whether it is the group that its other places say it is.

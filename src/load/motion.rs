@@ -4,9 +4,10 @@
 use super::follow::{self, Change, Pose, Step};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::scene::motion::{MOST_KEYS, camera_frame, lamp_frame, wants_more_keys};
-use crate::scene::{CameraKey, LightKind, Object, Place, Scene};
+use crate::scene::{CameraKey, LightKind, MeshForm, MeshId, Object, Place, Scene};
 use glam::DAffine3;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Moments at which a scene is read at first, both ends included. Turns that these do not follow are read more finely.
 const FEWEST_KEYS: usize = 9;
@@ -48,7 +49,33 @@ pub fn follow(scene: &mut Scene, read: &mut dyn FnMut(f64) -> Result<Scene, Diag
         }
         keys = finer;
     }
+    let formed = poses.iter().filter(|(k, _)| *k % FORM_STEP == 0);
+    bend(scene, &formed.map(|(_, pose)| pose).collect::<Vec<_>>());
     tell(&changes, diags);
+}
+
+/// Steps of the finest time between two moments at which the forms of meshes are kept.
+const FORM_STEP: usize = (MOST_KEYS - 1) / (FEWEST_KEYS - 1);
+
+/// Whether the forms of meshes are kept at this share of the shutter's time.
+pub fn has_form(share: f64) -> bool {
+    (share * (FEWEST_KEYS - 1) as f64).fract() == 0.0
+}
+
+/// Writes the forms of meshes into the scene.
+fn bend(scene: &mut Scene, poses: &[&Pose]) {
+    let bent: BTreeSet<MeshId> = poses.iter().flat_map(|pose| pose.forms.keys().copied()).collect();
+    for id in bent {
+        let Some(mesh) = Arc::make_mut(&mut scene.meshes).get_mut(id.index()) else {
+            continue;
+        };
+        let own = MeshForm {
+            positions: mesh.positions.clone(),
+            normals: mesh.normals.clone(),
+        };
+        let form = |pose: &&Pose| pose.forms.get(&id).unwrap_or(&own).clone();
+        mesh.later = poses.iter().map(form).collect();
+    }
 }
 
 /// What came of writing a motion into a scene.

@@ -50,17 +50,27 @@ impl Reader<'_> {
         }
         let opening = self.options.clock.unwrap_or(0.0);
         let known = Mutex::new(HashMap::new());
-        let models = |request: &lang::ModelRequest, diags: &mut Diagnostics| {
-            let key = (request.path.clone(), request.options.key());
-            let mut known = known.lock().unwrap_or_else(|e| e.into_inner());
-            known
-                .entry(key)
-                .or_insert_with(|| load_model(request, self.files, self.options, diags).map(without_vertices))
-                .clone()
-        };
         let mut read = |share: f64| {
             let clock = opening + shutter * share;
             let (mut sources, mut told) = (SourceMap::default(), Diagnostics::default());
+            // Those that play are others at each moment; their vertices are looked at where forms are kept.
+            let played = Mutex::new(HashMap::new());
+            let keeps_forms = motion::has_form(share);
+            let models = |request: &lang::ModelRequest, diags: &mut Diagnostics| {
+                let plays = request.options.clock.is_some();
+                let known = if plays { &played } else { &known };
+                let key = (request.path.clone(), request.options.key());
+                let mut known = known.lock().unwrap_or_else(|e| e.into_inner());
+                let load = || {
+                    let model = load_model(request, self.files, self.options, diags)?;
+                    Some(if plays && keeps_forms {
+                        model
+                    } else {
+                        without_vertices(model)
+                    })
+                };
+                known.entry(key).or_insert_with(load).clone()
+            };
             let options = self.options_at(clock, &models);
             let scene = lang::load(self.path, self.texts, &options, &mut sources, &mut told);
             scene.ok_or_else(|| {

@@ -11,12 +11,14 @@ mod tests;
 
 use super::accel::mesh::MeshTree;
 use super::accel::scene::{Instructions, Item, SceneTree};
+use super::bend::Bend;
 use super::motion::Motion;
 use super::ray::{Hit, PrimRef, Ray};
 use super::shape::Shape;
 use super::surface::Surface;
 use super::technique::BuildPreset;
 use glam::{DVec3, Vec2, Vec3, Vec4};
+use std::sync::Arc;
 
 /// Which primitives of an object are lights.
 #[derive(Clone, Debug, Default)]
@@ -103,6 +105,9 @@ pub struct MeshData {
     pub face_materials: Vec<u32>,
     /// Whether the geometric normal is −(v1 − v0) × (v2 − v0).
     pub flip_winding: bool,
+    /// How it changes its form while the shutter is open, if it does; `positions` and `normals` are those at its opening.
+    /// Objects that place it are in motion, if only by standing still ([`Motion::still`]).
+    pub bend: Option<Arc<Bend>>,
 }
 
 /// The compiled geometry.
@@ -124,7 +129,10 @@ impl Geometry {
         use rayon::prelude::*;
         let trees: Vec<MeshTree> = meshes
             .par_iter()
-            .map(|m| MeshTree::build(&m.positions, &m.triangles, preset))
+            .map(|m| match &m.bend {
+                Some(bend) => MeshTree::build_bending(bend.clone(), &m.triangles, preset),
+                None => MeshTree::build(&m.positions, &m.triangles, preset),
+            })
             .collect();
         let items: Vec<_> = objects.iter().map(GeomObject::item).collect();
         let tree = SceneTree::build(&items, trees, preset);
@@ -134,7 +142,7 @@ impl Geometry {
     /// The nearest hit with 0 < t < `t_max`, if any.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        self.tree.closest(ray, self.corners(ray.to))
+        self.tree.closest(ray, self.corners(ray))
     }
 
     /// The nearest hit that is not `ray.to`, whether or not that is behind it.
@@ -145,21 +153,21 @@ impl Geometry {
     /// Whether anything lies on the ray with 0 < t < `t_max`.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.tree.occluded(ray, self.corners(ray.to))
+        self.tree.occluded(ray, self.corners(ray))
     }
 
     /// The nearest hit, found without any box.
     #[cfg(test)]
     pub(crate) fn closest_by_force(&self, ray: &Ray) -> Option<Hit> {
-        self.tree.closest_by_force(ray, self.corners(ray.to))
+        self.tree.closest_by_force(ray, self.corners(ray))
     }
 
-    /// Corners of a mesh triangle in the mesh's own unit; `None` for everything else.
-    fn corners(&self, prim: PrimRef) -> Option<[Vec3; 3]> {
-        let Shape::Mesh { mesh, .. } = &self.objects.get(prim.object as usize)?.shape else {
+    /// Corners of the mesh triangle that a ray is sent to, in the mesh's own unit; `None` for everything else.
+    fn corners(&self, ray: &Ray) -> Option<[Vec3; 3]> {
+        let Shape::Mesh { mesh, .. } = &self.objects.get(ray.to.object as usize)?.shape else {
             return None;
         };
-        self.meshes.get(*mesh as usize)?.corners(prim.prim)
+        self.meshes.get(*mesh as usize)?.corners_at(ray.to.prim, ray.time)
     }
 
     /// The objects, as given.
@@ -192,7 +200,7 @@ impl Geometry {
 
     /// Whether a ray towards a primitive (`ray.to`) meets that.
     pub fn reaches(&self, ray: &Ray) -> bool {
-        self.tree.reaches(ray, self.corners(ray.to))
+        self.tree.reaches(ray, self.corners(ray))
     }
 
     /// World corners of a mesh triangle, where it was compiled; `None` for everything else.
@@ -219,11 +227,28 @@ impl MeshData {
             + size_of_val(&self.colors[..])
             + size_of_val(&self.triangles[..])
             + size_of_val(&self.face_materials[..])
+            + self.bend.as_ref().map_or(0, |bend| bend.bytes())
     }
 
     /// The corners of a triangle, if it exists.
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         self.by_corner(&self.positions, triangle)
+    }
+
+    /// The same at a time.
+    fn corners_at(&self, triangle: u32, time: f32) -> Option<[Vec3; 3]> {
+        match &self.bend {
+            None => self.corners(triangle),
+            Some(bend) => bend.corners_at(*self.triangles.get(triangle as usize)?, time),
+        }
+    }
+
+    /// The shading normals at a triangle's corners at a time, not normalised; `None` without any.
+    fn normals_at(&self, triangle: u32, time: f32) -> Option<[Vec3; 3]> {
+        match &self.bend {
+            None => self.by_corner(&self.normals, triangle),
+            Some(bend) => bend.normals_at(*self.triangles.get(triangle as usize)?, time),
+        }
     }
 
     /// The values of a vertex attribute at a triangle's corners; `None` without the attribute.

@@ -5,6 +5,7 @@
 //! `kernel` traces one path, `film` sums.
 
 pub mod accel;
+pub mod bend;
 pub mod bsdf;
 pub mod camera;
 pub mod clock;

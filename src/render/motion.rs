@@ -20,6 +20,13 @@ impl Motion {
         moves.then(|| Motion { keys: keys.into() })
     }
 
+    /// Standing still, for what moves otherwise than as a whole.
+    pub fn still() -> Motion {
+        Motion {
+            keys: [DAffine3::IDENTITY; 2].into(),
+        }
+    }
+
     /// The placements, two or more.
     pub fn keys(&self) -> &[DAffine3] {
         &self.keys

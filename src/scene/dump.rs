@@ -335,6 +335,16 @@ fn dump_mesh(out: &mut String, i: usize, m: &Mesh) {
         }
         push(out, 1, &text);
     }
+    for (i, form) in m.later.iter().enumerate() {
+        push(out, 1, &format!("form {}", i + 1));
+        for (k, p) in form.positions.iter().enumerate() {
+            let normal = form
+                .normals
+                .get(k)
+                .map_or(String::new(), |n| format!(" normal {}", f3(n)));
+            push(out, 2, &format!("vertex {}{normal}", f3(p)));
+        }
+    }
     for (k, t) in m.triangles.iter().enumerate() {
         let slot = m.slot(k);
         let slot = if slot == 0 {

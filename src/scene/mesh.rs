@@ -32,11 +32,29 @@ pub struct Mesh {
     pub materials: Vec<Option<MaterialId>>,
     /// Whether the geometric normal of every face is negated.
     pub flip_winding: bool,
+    /// Its form at later moments while the shutter is open, if it changes: together with its own positions and normals at
+    /// equal steps of time, vertices on straight lines in between.
+    pub later: Vec<MeshForm>,
     /// Degenerate faces (zero area, repeated or non-finite corners) that were left out on loading.
     pub dropped_faces: u64,
 }
 
+/// The form of a mesh at one moment: as the fields of [`Mesh`] of the same names, around the same centre.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshForm {
+    /// Vertex positions relative to the mesh's centre.
+    pub positions: Vec<Vec3>,
+    /// Shading normals, of any length, or empty for flat faces.
+    pub normals: Vec<Vec3>,
+}
+
 impl Mesh {
+    /// Whether it really changes its form while the shutter is open.
+    pub fn bends(&self) -> bool {
+        let differs = |f: &MeshForm| f.positions != self.positions || f.normals != self.normals;
+        self.later.iter().any(differs)
+    }
+
     /// A mesh from f64 positions: chooses the centre of the bounding box as origin and rounds the rest to f32.
     /// Faces with repeated indices, non-finite corners or exactly zero area are dropped and counted.
     /// Returns `None` for an index out of range. Attributes are added by the caller afterwards

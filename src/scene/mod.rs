@@ -29,7 +29,7 @@ pub use material::{
     Principled, ScalarInput, SurfaceModel,
 };
 pub use medium::{Fog, GroundFog, Medium, Phase};
-pub use mesh::{Mesh, mend_normals};
+pub use mesh::{Mesh, MeshForm, mend_normals};
 pub use motion::CameraKey;
 pub use settings::{FilterKind, RenderDefaults};
 pub use shape::{Object, Shape, Visibility};

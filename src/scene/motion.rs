@@ -1,7 +1,8 @@
 //! Motion while the shutter is open, as the description holds it: keys at equal steps of time.
 
-use super::{Camera, Light, LightKind, Object, Scene};
+use super::{Camera, Light, LightKind, Mesh, Object, Scene};
 use glam::{DAffine3, DVec3};
+use std::sync::Arc;
 
 /// Keys that are more than this are not looked at: the motion is followed finely enough.
 pub const MOST_KEYS: usize = 65;
@@ -89,6 +90,7 @@ impl Scene {
             || groups.any(Object::moves)
             || self.cameras.iter().any(Camera::moves)
             || self.lights.iter().any(Light::moves)
+            || self.meshes.iter().any(Mesh::bends)
     }
 
     /// Lets everything stand where it is when the shutter opens.
@@ -99,6 +101,10 @@ impl Scene {
         }
         self.cameras.iter_mut().for_each(|c| c.motion.clear());
         self.lights.iter_mut().for_each(|l| l.motion.clear());
+        if self.meshes.iter().any(|m| !m.later.is_empty()) {
+            let meshes = Arc::make_mut(&mut self.meshes);
+            meshes.iter_mut().for_each(|m| m.later.clear());
+        }
     }
 }
 

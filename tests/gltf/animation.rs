@@ -166,27 +166,43 @@ fn animations_that_move_the_same_are_not_mixed() {
     assert_eq!(point(object, 0, DVec3::X), DVec3::X * 2.5);
 }
 
+/// Where the first vertex is at each moment.
+fn ways(scene: &Scene) -> Vec<DVec3> {
+    let mesh = &scene.meshes[0];
+    let forms = std::iter::once(&mesh.positions).chain(mesh.later.iter().map(|f| &f.positions));
+    forms.map(|p| mesh.center + p[0].as_dvec3()).collect()
+}
+
+/// Nine forms at equal steps, where the weights are then.
 #[test]
-fn skins_and_morphs_are_posed_at_the_opening_and_stand_still() {
+fn morph_targets_move_over_the_shutter() {
     let mut m = Model::triangle();
     let d = m.floats("VEC3", &[1.0, 0.0, 0.0].repeat(3));
     m.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": d}]);
     m.json["meshes"][0]["weights"] = json!([0.0]);
     m.animate(0, "weights", "LINEAR", &[0.0, 1.0], "SCALAR", &[0.0, 4.0]);
-    let first = |scene: &Scene| scene.meshes[0].center + scene.meshes[0].positions[0].as_dvec3();
-    assert_eq!(first(&read(&m, &at(Some(0.5), 0.0))), DVec3::X * 2.0);
-    let (scene, diags) = m.try_load(&at(Some(0.5), 0.5));
-    assert_eq!(codes(&diags), ["G0905"]);
-    assert_eq!(first(&scene.expect("a scene")), DVec3::X * 2.0);
+    assert_eq!(ways(&read(&m, &at(Some(0.5), 0.0))), [DVec3::X * 2.0]);
+    let scene = read(&m, &at(Some(0.5), 0.5));
+    let expected: Vec<DVec3> = (0..9).map(|k| DVec3::X * (2.0 + 0.25 * f64::from(k))).collect();
+    assert_eq!(ways(&scene), expected);
+    assert!(scene.moves() && !scene.objects[0].moves());
+    // Behind the last key nothing changes.
+    assert!(!read(&m, &at(Some(2.0), 0.5)).moves());
+}
 
+/// A joint takes its vertices along: here with a turn, met at each moment.
+#[test]
+fn skins_move_over_the_shutter() {
     let mut m = Model::triangle();
     let joints = m.bytes("VEC4", U8, 3, &[0; 12]);
     let weights = m.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
+    let normals = m.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
     let attributes = &mut m.json["meshes"][0]["primitives"][0]["attributes"];
     attributes["JOINTS_0"] = json!(joints);
     attributes["WEIGHTS_0"] = json!(weights);
-    m.json["skins"] = json!([{"joints": [1]}]);
-    m.json["nodes"] = json!([{"mesh": 0, "skin": 0}, {}]);
+    attributes["NORMAL"] = json!(normals);
+    m.json["skins"] = json!([{"joints": [2]}]);
+    m.json["nodes"] = json!([{"mesh": 0, "skin": 0, "translation": [9, 9, 9]}, {"children": [2]}, {}]);
     m.json["scenes"][0]["nodes"] = json!([0, 1]);
     m.animate(
         1,
@@ -196,11 +212,27 @@ fn skins_and_morphs_are_posed_at_the_opening_and_stand_still() {
         "VEC3",
         &[0.0, 0.0, 0.0, 0.0, 8.0, 0.0],
     );
-    assert_eq!(first(&read(&m, &at(Some(0.5), 0.0))), DVec3::Y * 4.0);
-    let (scene, diags) = m.try_load(&at(Some(0.5), 0.5));
-    assert_eq!(codes(&diags), ["G0905"]);
-    let scene = scene.expect("a scene");
-    assert!(first(&scene) == DVec3::Y * 4.0 && !scene.objects[0].moves());
+    let turn = |t: f64| DQuat::from_rotation_y((40.0 * t).to_radians());
+    let turns: Vec<f32> = [0.0, 1.0].iter().flat_map(|&t| turn(t).as_quat().to_array()).collect();
+    m.animate(2, "rotation", "LINEAR", &[0.0, 1.0], "VEC4", &turns);
+    let posed = ways(&read(&m, &at(Some(0.5), 0.0)));
+    assert!(
+        posed.len() == 1 && (posed[0] - DVec3::Y * 4.0).length() < 1e-6,
+        "{posed:?}"
+    );
+    let scene = read(&m, &at(Some(0.5), 0.5));
+    let mesh = &scene.meshes[0];
+    assert_eq!(ways(&scene).len(), 9);
+    for (k, place) in ways(&scene).iter().enumerate() {
+        let t = 0.5 + 0.5 * k as f64 / 8.0;
+        assert!((*place - DVec3::Y * 8.0 * t).length() < 1e-6, "{k}: {place}");
+        if k > 0 {
+            let off = mesh.later[k - 1].normals[0].as_dvec3() - turn(t) * DVec3::Z;
+            // Rotations are written in f32.
+            assert!(off.length() < 1e-6, "{k}: {off}");
+        }
+    }
+    assert!(!scene.objects[0].moves(), "the node's own place does not count");
 }
 
 /// Each is told with its place; nothing panics, and without a clock nobody looks.

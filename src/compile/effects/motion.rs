@@ -1,7 +1,7 @@
 //! Who calls for motion blur: what really moves while the shutter is open, and is drawn or shines.
 
 use super::causes::{Cause, name};
-use crate::scene::{GroupId, Object, Scene, Shape};
+use crate::scene::{GroupId, Mesh, Object, Scene, Shape};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Groups nested deeper than this contain themselves; `compile` refuses them.
@@ -21,6 +21,16 @@ pub(super) fn of_scene(scene: &Scene, add: &mut dyn FnMut(Cause)) {
             add(Cause {
                 what: name(&object.shape, &object.name),
                 why: "moves while the shutter is open".to_owned(),
+                place: object.place.clone(),
+                times: 1,
+            });
+        }
+        if let Shape::Mesh(id) = object.shape
+            && scene.meshes.get(id.index()).is_some_and(Mesh::bends)
+        {
+            add(Cause {
+                what: name(&object.shape, &object.name),
+                why: "changes its form while the shutter is open".to_owned(),
                 place: object.place.clone(),
                 times: 1,
             });

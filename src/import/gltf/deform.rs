@@ -1,4 +1,4 @@
-//! Morph targets and skins in the pose that the file is at rest in.
+//! Morph targets and skins in a pose, and in later ones while the shutter is open.
 
 use super::Loader;
 use super::accessor::Wanted;
@@ -17,7 +17,13 @@ pub(super) struct Pose {
     pub weights: Option<Vec<f32>>,
     /// For each joint the map from the mesh's bind pose to the world.
     pub joints: Option<Vec<DAffine3>>,
+    /// How it does at equal steps of the time that the shutter is open, the opening left out; none if the mesh keeps its
+    /// form.
+    pub later: Vec<Pose>,
 }
+
+/// Positions and normals of a part.
+pub(super) type Form = (Vec<DVec3>, Vec<Vec3>);
 
 /// Weights and joints are fractions, whatever their component type says.
 const FRACTIONS: Wanted = Wanted {
@@ -67,6 +73,41 @@ impl Loader<'_> {
                 }
             }
         }
+        Some(())
+    }
+
+    /// Gives the part its form in the later poses. `rest` are its positions and normals without any pose, `weights` those
+    /// of the morph targets where a pose has none.
+    pub(super) fn bend(
+        &mut self,
+        part: &mut Part,
+        (rest, at): (Form, &str),
+        primitive: &Primitive,
+        weights: &[f32],
+        pose: &Pose,
+        order: &[u32],
+        vertices: usize,
+    ) -> Option<()> {
+        let mut forms = Vec::with_capacity(pose.later.len());
+        for later in &pose.later {
+            let mut bent = Part {
+                positions: rest.0.clone(),
+                normals: rest.1.clone(),
+                ..Part::default()
+            };
+            let weights = later.weights.as_deref().unwrap_or(weights);
+            self.morph(&mut bent, primitive, weights, order, vertices, at)?;
+            if let Some(joints) = &later.joints {
+                self.skin(&mut bent, primitive, joints, order, vertices, at)?;
+            }
+            if bent.flip_winding != part.flip_winding || !bent.positions.iter().all(|p| p.is_finite()) {
+                self.tell_still(at);
+                return Some(());
+            }
+            bent.normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+            forms.push((bent.positions, bent.normals));
+        }
+        part.later = forms;
         Some(())
     }
 

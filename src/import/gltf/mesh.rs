@@ -40,7 +40,7 @@ impl Loader<'_> {
     /// The meshes of the scene for mesh `index`, referred to at `at`, bent by `pose`. Unbent meshes are shared by all
     /// nodes.
     pub(super) fn meshes_of(&mut self, index: usize, pose: &Pose, at: &str) -> Rc<[MeshId]> {
-        let is_plain = pose.weights.is_none() && pose.joints.is_none();
+        let is_plain = pose.weights.is_none() && pose.joints.is_none() && pose.later.is_empty();
         if let Some(known) = self.meshes.get(&index).filter(|_| is_plain) {
             return known.clone();
         }
@@ -155,9 +155,13 @@ impl Loader<'_> {
             part.tangents = tangents.into_iter().map(Vec4::from).collect();
         }
 
+        let rest = (!pose.later.is_empty()).then(|| (part.positions.clone(), part.normals.clone()));
         self.morph(&mut part, primitive, weights, &order, vertices, at)?;
         if let Some(joints) = &pose.joints {
             self.skin(&mut part, primitive, joints, &order, vertices, at)?;
+        }
+        if let Some(rest) = rest {
+            self.bend(&mut part, (rest, at), primitive, weights, pose, &order, vertices)?;
         }
         self.drop_infinite(&mut part, at);
         self.mend_normals(&mut part, &place("NORMAL"));

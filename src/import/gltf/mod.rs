@@ -8,7 +8,7 @@
 //!
 //! What is not reached from the chosen scene is not read, so it cannot fail either. Errors are collected: a broken
 //! mesh does not hide a broken material. Animations (`animation`) are played only for a clock or an open shutter, for which
-//! nodes, cameras and lamps are given a motion (`moving`); skins and morph targets stand as they are when it opens.
+//! nodes, cameras and lamps are given a motion and skins and morph targets their forms (`moving`).
 //!
 //! Memory stays in proportion to the file whatever it says (`budget`).
 
@@ -133,6 +133,7 @@ pub fn load(path: &Path, files: &dyn Files, options: &GltfOptions, diags: &mut D
         bytes: 0,
         triangles: 0,
         animated: 0,
+        bent: 0,
         told_still: false,
     };
     loader.variant = loader.choose_variant();
@@ -179,6 +180,8 @@ struct Loader<'a> {
     triangles: u64,
     /// Numbers of animations looked at so far.
     animated: u64,
+    /// Vertices of the forms that meshes change to.
+    bent: u64,
     /// Whether it was told that skins and morph targets stand still.
     told_still: bool,
 }

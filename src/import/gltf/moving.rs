@@ -1,15 +1,26 @@
-//! What the animations move while the shutter is open: keys for objects, cameras and lamps.
+//! What the animations move while the shutter is open: keys for objects, cameras and lamps, poses for what bends.
 
 use super::Loader;
 use super::animation::Tracks;
+use super::deform::Pose;
 use super::node::Placed;
 use super::{camera, light};
 use crate::scene::motion::{MOST_KEYS, wants_more_keys};
 use glam::DAffine3;
 use gltf::json;
+use serde_json::Value;
 
 /// Keys at first. Turns that these do not follow are followed more finely.
 const FEWEST_KEYS: usize = 9;
+
+/// Moments at which the form of a mesh is known, the opening included; eight steps, or four, two or one.
+const FORMS: usize = 9;
+
+/// Vertices of all forms of all meshes of a file: 24 bytes each here, and once more in the engine.
+const MOST_BENT: u64 = 1 << 23;
+
+/// Where the nodes of a file are in the world, as far as they are in the scene.
+pub(super) type World = Vec<Option<DAffine3>>;
 
 /// Where nodes are while the shutter is open.
 #[derive(Default)]
@@ -126,28 +137,97 @@ impl Loader<'_> {
         }
     }
 
-    /// Tells once that joints move while the skin does not.
-    pub(super) fn skins_stand_still(&mut self, skin: usize, moving: &Moving, at: &str) {
+    /// Where all nodes are at the moments of [`Loader::later_poses`]; none if no skin can need them.
+    pub(super) fn later_worlds(&self, placed: &[Placed], moving: &Moving) -> Vec<World> {
+        let is_skinned = |p: &Placed| p.visible && p.node.skin.is_some();
+        if !moving.moves.contains(&true) || !placed.iter().any(is_skinned) {
+            return Vec::new();
+        }
+        let at = |moment: usize| {
+            let mut world = vec![None; self.doc.len("nodes")];
+            for (i, p) in placed.iter().enumerate() {
+                let keys = moving.keys(i);
+                let key = keys.get(moment * keys.len().saturating_sub(1) / (FORMS - 1));
+                world[p.index] = Some(key.copied().unwrap_or(p.world));
+            }
+            world
+        };
+        (1..FORMS).map(at).collect()
+    }
+
+    /// How a node bends its mesh at later moments while the shutter is open, at equal steps; none if it keeps its form. A
+    /// large mesh is followed at fewer moments.
+    pub(super) fn later_poses(
+        &mut self,
+        placed: &Placed,
+        pose: &Pose,
+        worlds: &[World],
+        (tracks, moving): (&Tracks, &Moving),
+        at: &str,
+    ) -> Vec<Pose> {
+        let shutter = self.options.shutter;
+        if shutter <= 0.0 {
+            return Vec::new();
+        }
+        let node = placed.index;
+        let opening = self.opening();
+        let weights = |moment: usize| tracks.weights(node, opening + shutter * moment as f64 / (FORMS - 1) as f64);
+        let morphs = (1..FORMS).any(|k| weights(k) != weights(0));
+        let skin = placed.node.skin.map(|s| s.value());
+        let skin = skin.filter(|s| pose.joints.is_some() && !worlds.is_empty() && self.joints_move(*s, moving, at));
+        if !morphs && skin.is_none() {
+            return Vec::new();
+        }
+        let vertices = placed.node.mesh.map_or(0, |m| self.vertices_of(m.value()));
+        let left = MOST_BENT.saturating_sub(self.bent);
+        let Some(forms) = [FORMS, 5, 3, 2]
+            .into_iter()
+            .find(|n| vertices.saturating_mul(*n as u64) <= left)
+        else {
+            self.tell_still(at);
+            return Vec::new();
+        };
+        self.bent += vertices * forms as u64;
+        let stride = (FORMS - 1) / (forms - 1);
+        let mut later = Vec::with_capacity(forms - 1);
+        for moment in (stride..FORMS).step_by(stride) {
+            let joints = match skin {
+                Some(skin) => worlds.get(moment - 1).and_then(|world| self.joints(skin, world, at)),
+                None => pose.joints.clone(),
+            };
+            later.push(Pose {
+                weights: if morphs { weights(moment) } else { pose.weights.clone() },
+                joints,
+                later: Vec::new(),
+            });
+        }
+        later
+    }
+
+    /// Whether the joints of a skin move while the shutter is open.
+    fn joints_move(&mut self, skin: usize, moving: &Moving, at: &str) -> bool {
         let skin: Option<json::Skin> = self.doc.get(skin, at, &mut self.report);
         let joints = skin.map_or(Vec::new(), |s| s.joints);
-        if joints.iter().any(|j| moving.moves.get(j.value()) == Some(&true)) {
-            self.tell_still(at);
-        }
+        joints.iter().any(|j| moving.moves.get(j.value()) == Some(&true))
     }
 
-    /// Tells once that weights change while the shape does not.
-    pub(super) fn morphs_stand_still(&mut self, tracks: &Tracks, node: usize) {
-        let shutter = self.options.shutter;
-        let at = |k: u32| tracks.weights(node, self.opening() + shutter * f64::from(k) / 8.0);
-        if shutter > 0.0 && (1..=8).any(|k| at(k) != at(0)) {
-            self.tell_still(&format!("nodes[{node}]"));
-        }
+    /// Vertices of all primitives of a mesh, as its accessors say.
+    fn vertices_of(&self, mesh: usize) -> u64 {
+        let table = |name: &str, index: usize| self.doc.top(name)?.get(index);
+        let primitives = table("meshes", mesh).and_then(|m| m.get("primitives")?.as_array());
+        let count = |p: &Value| {
+            let accessor = usize::try_from(p.get("attributes")?.get("POSITION")?.as_u64()?).ok()?;
+            table("accessors", accessor)?.get("count")?.as_u64()
+        };
+        let counts = primitives.into_iter().flatten().filter_map(count);
+        counts.fold(0, u64::saturating_add)
     }
 
-    fn tell_still(&mut self, at: &str) {
+    /// Tells once that a mesh keeps its form though it should not.
+    pub(super) fn tell_still(&mut self, at: &str) {
         if !self.told_still {
             self.told_still = true;
-            let message = "skins and morph targets stand as they are when the shutter opens";
+            let message = "is too large to change its form while the shutter is open, or is turned inside out; it stands as when it opens";
             self.report.warning("G0905", at, message);
         }
     }

@@ -8,7 +8,7 @@ use super::deform::{Pose, affine_from_columns};
 use super::document::{extension, index_of};
 use super::extension::exact;
 use super::mesh::VEC3;
-use super::moving::Moving;
+use super::moving::{Moving, World};
 use super::variant::known;
 use crate::diag::{Anomaly, Diagnostic};
 use crate::scene::{Object, Shape};
@@ -19,7 +19,7 @@ use serde_json::Value;
 /// A node of the scene with its place in the world.
 pub(super) struct Placed {
     pub index: usize,
-    node: json::Node,
+    pub node: json::Node,
     /// Which of the placed nodes it stands in.
     pub parent: Option<usize>,
     /// Its own transform as it is shown, or when the shutter opens.
@@ -50,9 +50,10 @@ impl Loader<'_> {
         for p in &placed {
             world[p.index] = Some(p.world);
         }
+        let later = self.later_worlds(&placed, &moving);
         for (i, p) in placed.iter().enumerate().filter(|(_, p)| p.visible) {
             let before = self.counts();
-            let is_skinned = self.load_node(p, &world, &tracks, &moving);
+            let is_skinned = self.load_node(p, (&world, &later), &tracks, &moving);
             self.give_motion(moving.keys(i), before, is_skinned);
         }
         self.put_origin(origin);
@@ -272,7 +273,13 @@ impl Loader<'_> {
     }
 
     /// Adds what stands at a node; whether joints hold its mesh.
-    fn load_node(&mut self, placed: &Placed, world: &[Option<DAffine3>], tracks: &Tracks, moving: &Moving) -> bool {
+    fn load_node(
+        &mut self,
+        placed: &Placed,
+        (world, later): (&World, &[World]),
+        tracks: &Tracks,
+        moving: &Moving,
+    ) -> bool {
         let mut is_skinned = false;
         let at = format!("nodes[{}]", placed.index);
         let Some(raw) = self.doc.raw("nodes", placed.index, &at, &mut self.report) else {
@@ -292,6 +299,7 @@ impl Loader<'_> {
             let mut pose = Pose {
                 weights: self.weights_of(placed, tracks),
                 joints: None,
+                later: Vec::new(),
             };
             if let Some(skin) = placed.node.skin {
                 let skins = self
@@ -305,8 +313,8 @@ impl Loader<'_> {
                     return false;
                 }
                 pose.joints = self.joints(skin.value(), world, &format!("{at}.skin"));
-                self.skins_stand_still(skin.value(), moving, &at);
             }
+            pose.later = self.later_poses(placed, &pose, later, (tracks, moving), &at);
             // A skin places its mesh by its joints alone; the node's own transform is ignored.
             is_skinned = pose.joints.is_some();
             let place = if is_skinned { DAffine3::IDENTITY } else { placed.world };
@@ -335,7 +343,6 @@ impl Loader<'_> {
     fn weights_of(&mut self, placed: &Placed, tracks: &Tracks) -> Option<Vec<f32>> {
         let index = placed.index;
         if tracks.has_weights(index) {
-            self.morphs_stand_still(tracks, index);
             return tracks.weights(index, self.opening());
         }
         placed.node.weights.clone()

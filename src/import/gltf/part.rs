@@ -1,9 +1,11 @@
 //! A primitive's data on its way into a mesh: mending what is not finite, and joining parts of like layout.
 
 use super::Loader;
+use super::deform::Form;
 use crate::diag::Anomaly;
-use crate::scene::{MaterialId, Mesh, mend_normals};
+use crate::scene::{MaterialId, Mesh, MeshForm, mend_normals};
 use glam::{DVec3, Vec2, Vec3, Vec4};
+use std::borrow::Cow;
 
 /// One primitive with everything applied; optional attributes are empty or have one value per vertex.
 #[derive(Default)]
@@ -16,6 +18,8 @@ pub(super) struct Part {
     pub triangles: Vec<[u32; 3]>,
     pub material: Option<MaterialId>,
     pub flip_winding: bool,
+    /// Its form at later moments while the shutter is open, if it changes.
+    pub later: Vec<Form>,
     pub dropped: u64,
 }
 
@@ -33,6 +37,28 @@ impl Part {
         pick(&mut self.tangents, order);
         pick(&mut self.colors, order);
         self.uvs.iter_mut().for_each(|set| pick(set, order));
+        for (positions, normals) in &mut self.later {
+            pick(positions, order);
+            pick(normals, order);
+        }
+    }
+
+    /// Its form at later moment `k`; where faces got normals of their own, those of the bent faces.
+    fn form(&self, k: usize) -> (&[DVec3], Cow<'_, [Vec3]>) {
+        let Some((positions, normals)) = self.later.get(k) else {
+            return (&self.positions, Cow::Borrowed(&self.normals));
+        };
+        if normals.len() == self.normals.len() {
+            return (positions, Cow::Borrowed(normals));
+        }
+        let mut flat = vec![Vec3::ZERO; self.normals.len()];
+        let side = if self.flip_winding { -1.0 } else { 1.0 };
+        for face in &self.triangles {
+            let [a, b, c] = face.map(|v| positions[v as usize]);
+            let normal = ((b - a).cross(c - a) * side).normalize_or_zero().as_vec3();
+            face.iter().for_each(|v| flat[*v as usize] = normal);
+        }
+        (positions, Cow::Owned(flat))
     }
 
     /// Parts with the same layout can share a mesh.
@@ -86,11 +112,27 @@ pub(super) fn join(parts: Vec<Part>, name: &str) -> Vec<Mesh> {
     groups.into_iter().filter_map(|group| join_like(group, name)).collect()
 }
 
+/// The form of all parts together at each later moment; one that keeps its form stays as it is.
+fn forms(parts: &[Part]) -> Vec<Form> {
+    let moments = parts.iter().map(|p| p.later.len()).max().unwrap_or(0);
+    let at = |k: usize| {
+        let mut all = Form::default();
+        for part in parts {
+            let (positions, normals) = part.form(k);
+            all.0.extend(positions);
+            all.1.extend(normals.iter());
+        }
+        all
+    };
+    (0..moments).map(at).collect()
+}
+
 fn join_like(mut parts: Vec<Part>, name: &str) -> Option<Mesh> {
     let counts: Vec<usize> = parts.iter().map(|p| p.positions.len()).collect();
     let vertices: usize = counts.iter().sum();
     let faces: usize = parts.iter().map(|p| p.triangles.len()).sum();
     u32::try_from(vertices).ok()?;
+    let later = forms(&parts);
     let mut positions = std::mem::take(&mut parts.first_mut()?.positions);
     positions.reserve_exact(vertices - positions.len());
     for part in &mut parts[1..] {
@@ -99,6 +141,12 @@ fn join_like(mut parts: Vec<Part>, name: &str) -> Option<Mesh> {
     let mut mesh = Mesh::from_f64(name, &positions, &[])?;
     drop(positions);
     mesh.triangles.reserve_exact(faces);
+    let center = mesh.center;
+    let form = |(positions, normals): Form| MeshForm {
+        positions: positions.iter().map(|p| (*p - center).as_vec3()).collect(),
+        normals,
+    };
+    mesh.later = later.into_iter().map(form).collect();
     let mut first = 0;
     for (part, count) in parts.into_iter().zip(counts) {
         let slot = mesh

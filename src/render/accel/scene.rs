@@ -120,10 +120,20 @@ impl SceneTree {
     }
 
     fn target(&self, shape: &Shape, motion: Option<&Motion>) -> Target {
+        let bends = |mesh: &u32| self.meshes.get(*mesh as usize).is_some_and(MeshTree::bends);
+        if let (None, Shape::Mesh { mesh, .. }) = (motion, shape)
+            && bends(mesh)
+        {
+            return self.target(shape, Some(&Motion::still())); // only what moves asks for the time
+        }
         if let Some(motion) = motion {
-            let still = self.target(shape, None);
+            let still = self.still_target(shape);
             return Target::Moving(Box::new(MovingTarget::new(still, motion.clone())));
         }
+        self.still_target(shape)
+    }
+
+    fn still_target(&self, shape: &Shape) -> Target {
         match shape {
             Shape::Sphere { center, radius } => Target::Sphere {
                 center: *center,
@@ -398,7 +408,11 @@ impl SceneTree {
             match self.located(object, ray) {
                 Some((Target::Mesh { mesh, tree_from_world }, o, d)) => {
                     found.enter(object, ray);
-                    self.meshes[*mesh as usize].intersect_by_force(line_in(tree_from_world, o, d), &mut found);
+                    self.meshes[*mesh as usize].intersect_by_force(
+                        line_in(tree_from_world, o, d),
+                        ray.time,
+                        &mut found,
+                    );
                 }
                 _ => self.meet::<false, Baseline>(object, ray, &mut found),
             }
@@ -421,6 +435,12 @@ impl SceneTree {
     #[inline(never)]
     fn meet_moving<const ANY: bool>(&self, moving: &MovingTarget, ray: &Ray, found: &mut Candidates) {
         let Some((o, d)) = moving.line(ray) else { return };
+        if let Target::Mesh { mesh, tree_from_world } = moving.still()
+            && self.meshes[*mesh as usize].bends()
+        {
+            let line = line_in(tree_from_world, o, d);
+            return self.meet_bending::<ANY>(*mesh, line, ray.time, found);
+        }
         #[cfg(target_arch = "x86_64")]
         if self.instructions == Instructions::Avx2 {
             // SAFETY: `instructions` is Avx2 only where detection found it.
@@ -428,6 +448,19 @@ impl SceneTree {
             return unsafe { self.meet_avx2::<ANY>(moving.still(), o, d, found) };
         }
         self.meet_still::<ANY, Baseline>(moving.still(), o, d, found);
+    }
+
+    /// A mesh where it is, in its form at a time.
+    #[inline(never)]
+    fn meet_bending<const ANY: bool>(&self, mesh: u32, line: Line, time: f32, found: &mut Candidates) {
+        let mesh = &self.meshes[mesh as usize];
+        #[cfg(target_arch = "x86_64")]
+        if self.instructions == Instructions::Avx2 {
+            // SAFETY: `instructions` is Avx2 only where detection found it.
+            #[allow(unsafe_code)]
+            return unsafe { bending_avx2::<ANY>(mesh, line, time, found) };
+        }
+        mesh.intersect_at::<Baseline>(line, time, ANY, found);
     }
 
     /// The same code for wider vectors, apart from the walk that meets what stands still.
@@ -454,6 +487,13 @@ impl SceneTree {
             Target::Moving(_) => {} // nothing moves twice
         }
     }
+}
+
+/// The same code for wider vectors.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1")]
+fn bending_avx2<const ANY: bool>(mesh: &MeshTree, line: Line, time: f32, found: &mut Candidates) {
+    mesh.intersect_at::<super::simd::Avx2>(line, time, ANY, found);
 }
 
 /// The ray in the unit of a mesh's tree.

@@ -97,7 +97,7 @@ fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, hit: &Hit) -> Attribu
     out
 }
 
-/// Interpolated tangents of the mesh; the bitangent is w·(n × t), in the mesh's own space.
+/// Interpolated tangents of the mesh, of one that bends those when the shutter opens; the bitangent is w·(n × t), in the mesh's own space.
 fn given_tangents(mesh: &MeshData, prim: u32, b: [f32; 3]) -> Option<(Vec3, Vec3)> {
     let t: [Vec4; 3] = mesh.by_corner(&mesh.tangents, prim)?;
     let n = mesh.by_corner(&mesh.normals, prim)?;

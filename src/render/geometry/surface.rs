@@ -36,7 +36,11 @@ impl Geometry {
             }
             Shape::Mesh { mesh, placement } => {
                 let mesh = &self.meshes[*mesh as usize];
-                let point = on_triangle(mesh, placement, ray, hit).unwrap_or_else(|| Point::unknown(along(), ray));
+                let corners = mesh.corners(hit.prim.prim);
+                let normals = mesh.by_corner(&mesh.normals, hit.prim.prim);
+                let face = Face::of(mesh, corners, normals);
+                let point = face.and_then(|face| on_triangle(&face, placement, ray, hit));
+                let point = point.unwrap_or_else(|| Point::unknown(along(), ray));
                 let slot = mesh.face_materials.get(hit.prim.prim as usize).copied().unwrap_or(0);
                 of_object(object, hit, slot, point)
             }
@@ -63,7 +67,10 @@ impl Geometry {
             MovedShape::Placed(placed) => solid(&placed),
             MovedShape::Mesh { mesh, placement } => {
                 let mesh = &self.meshes[mesh as usize];
-                let point = on_triangle(mesh, &placement, ray, hit).unwrap_or_else(|| Point::unknown(along, ray));
+                let corners = mesh.corners_at(hit.prim.prim, ray.time);
+                let face = Face::of(mesh, corners, mesh.normals_at(hit.prim.prim, ray.time));
+                let point = face.and_then(|face| on_triangle(&face, &placement, ray, hit));
+                let point = point.unwrap_or_else(|| Point::unknown(along, ray));
                 let slot = mesh.face_materials.get(hit.prim.prim as usize).copied().unwrap_or(0);
                 (slot, point)
             }
@@ -146,11 +153,30 @@ pub(super) fn weights(b: Vec2) -> [f64; 3] {
     [1.0 - b1 - b2, b1, b2]
 }
 
+/// A triangle of a mesh as a ray meets it.
+struct Face {
+    corners: [Vec3; 3],
+    /// Shading normals, if it has any.
+    normals: Option<[Vec3; 3]>,
+    flipped: bool,
+}
+
+impl Face {
+    #[inline(always)]
+    fn of(mesh: &MeshData, corners: Option<[Vec3; 3]>, normals: Option<[Vec3; 3]>) -> Option<Face> {
+        Some(Face {
+            corners: corners?,
+            normals,
+            flipped: mesh.flip_winding,
+        })
+    }
+}
+
 /// Where the ray meets the plane of the triangle, moved into the triangle where rounding led the ray beside it, and both
 /// normals. Formed from the corners, so that it lies in the plane to the rounding of f64 however far the ray came.
 #[inline(always)]
-fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, ray: &Ray, hit: &Hit) -> Option<Point> {
-    let [v0, v1, v2] = mesh.corners(hit.prim.prim)?.map(|v| v.as_dvec3());
+fn on_triangle(face: &Face, placement: &MeshPlacement, ray: &Ray, hit: &Hit) -> Option<Point> {
+    let [v0, v1, v2] = face.corners.map(|v| v.as_dvec3());
     let cross = (v1 - v0).cross(v2 - v0);
     let b = inside(
         [v0, v1, v2],
@@ -170,8 +196,8 @@ fn on_triangle(mesh: &MeshData, placement: &MeshPlacement, ray: &Ray, hit: &Hit)
     let p = world;
 
     let to_world = |n: DVec3| unit_normal(&placement.mesh_from_world, n);
-    let ng = to_world(if mesh.flip_winding { -cross } else { cross }).as_vec3();
-    let ns = mesh.by_corner(&mesh.normals, hit.prim.prim).and_then(|n| {
+    let ng = to_world(if face.flipped { -cross } else { cross }).as_vec3();
+    let ns = face.normals.and_then(|n| {
         let mean = n[0].as_dvec3() * b[0] + n[1].as_dvec3() * b[1] + n[2].as_dvec3() * b[2];
         try_normalize_f64(placement.mesh_from_world.matrix3.transpose() * mean)
     });

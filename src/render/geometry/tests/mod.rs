@@ -1,6 +1,7 @@
 //! Properties of the whole: trees against brute force, watertightness, invariances, self-intersection.
 
 mod agreement;
+mod bending;
 mod coplanar;
 mod exact;
 mod extremes;
