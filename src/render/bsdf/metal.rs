@@ -38,7 +38,7 @@ impl Metal {
     }
 
     /// Colour of the lobe of several bounces divided by the mean loss; `mean` is the facets' reflectance over the hemisphere.
-    fn multiple_over_lost(mean: Vec3, mean_lost: f32) -> Vec3 {
+    pub(super) fn multiple_over_lost(mean: Vec3, mean_lost: f32) -> Vec3 {
         if mean_lost <= 0.0 {
             return Vec3::ZERO;
         }
