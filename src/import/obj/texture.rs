@@ -5,18 +5,25 @@ use super::mtl::Map;
 use super::report::Report;
 use crate::diag::Diagnostic;
 use crate::files::Files;
+use crate::pictures::{Limits, cost, decode};
 use crate::scene::{
     Encoding, Image, ImageId, ImageSource, ImageTexture, Place, Scene, TexelFilter, Texture, TextureId, Wrap,
 };
 use glam::{DAffine2, DMat2, DVec2};
+use std::cell::RefCell;
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Adds textures to a scene, each image file once.
 pub(super) struct Textures<'a> {
     files: &'a dyn Files,
     images: HashMap<PathBuf, ImageId>,
+    /// Which bump maps are normal maps, as far as that was looked up.
+    normal_maps: RefCell<HashMap<PathBuf, bool>>,
 }
+
+/// Most bytes of a picture that is decoded only to tell what it is.
+const GLANCE: u64 = 1 << 28;
 
 impl<'a> Textures<'a> {
     /// Textures read through `files`.
@@ -24,6 +31,7 @@ impl<'a> Textures<'a> {
         Textures {
             files,
             images: HashMap::new(),
+            normal_maps: RefCell::default(),
         }
     }
 
@@ -77,12 +85,24 @@ impl<'a> Textures<'a> {
         let Some(path) = self.locate(map, report) else {
             return false;
         };
-        let Ok(bytes) = self.files.read(&path) else {
+        if let Some(known) = self.normal_maps.borrow().get(&path) {
+            return *known;
+        }
+        let is_one = self.looks_like_normals(&path, &map.file);
+        self.normal_maps.borrow_mut().insert(path, is_one);
+        is_one
+    }
+
+    /// Whether a picture is mostly light blue. What cannot be decoded is reported where it is used.
+    fn looks_like_normals(&self, path: &Path, name: &str) -> bool {
+        let Ok(bytes) = self.files.read(path) else {
             return false;
         };
-        let limits = crate::pictures::Limits::default();
-        // What cannot be decoded is reported where it is used.
-        let Ok(picture) = crate::pictures::decode(&bytes, &map.file, limits) else {
+        let limits = Limits::default();
+        if cost(&bytes, name, limits).is_none_or(|c| c.peak > GLANCE) {
+            return false;
+        }
+        let Ok(picture) = decode(&bytes, name, limits) else {
             return false;
         };
         let count = picture.texels.len();
