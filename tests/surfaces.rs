@@ -174,7 +174,7 @@ fn check(name: &str, material: Value, low: f64, high: f64) {
         let noise = 5.0 * found.stderr.iter().fold(0.0, |a: f64, b| a.max(*b));
         let most = found.mean.iter().fold(0.0, |a: f64, b| a.max(*b));
         if noise < 0.01 || spp == 4096 {
-            assert!(noise < 0.02, "{name}: noise of {noise}");
+            assert!(noise < 0.03, "{name}: noise of {noise}");
             assert!(most < high + noise && most > low - noise, "{name}: {found:?}");
             return;
         }
@@ -210,13 +210,7 @@ fn white_is_lost_under_no_two_extensions() {
             // Alternating keeps the time.
             let roughness = if (i + b.len()) % 2 == 0 { 0.15 } else { 0.6 };
             let name = format!("{a} with {b}, roughness {roughness}");
-            check(
-                &name,
-                material(&[part, other], roughness, WHITE),
-                128,
-                least(&[a, b]),
-                1.01,
-            );
+            check(&name, material(&[part, other], roughness, WHITE), least(&[a, b]), 1.01);
         }
     }
 }
