@@ -306,7 +306,8 @@ impl Loader<'_> {
         };
         let coat = p.clearcoat_normal.and_then(|n| image(n.texture));
         let turned = (p.anisotropy.factor != 0.0).then_some((0, DAffine2::IDENTITY));
-        own.or(coat).or(turned)
+        let direction = p.anisotropy_direction.and_then(image);
+        own.or(coat).or(direction).or(turned)
     }
 
     /// Warns of images that the primitive has no coordinates for.

@@ -98,15 +98,15 @@ impl Film {
     }
 }
 
-/// A Gaussian response by the wave number, in 1/m: height, centre and half the variance.
+/// A Gaussian response by the wave number, in 1/m: height (of any scale), centre and half the variance.
 type Response = [f64; 3];
 
 /// The standard observer's X (two of them), Y and Z. Source: Belcour & Barla 2017, as printed in the extension's text.
 const RESPONSES: [Response; 4] = [
-    [5.4856e-13, 1.6810e6, 4.3278e9],
-    [9.7470e-14, 2.2399e6, 4.5282e9],
-    [4.4201e-13, 1.7953e6, 9.3046e9],
-    [5.2481e-13, 2.2084e6, 6.6121e9],
+    [5.4856, 1.6810e6, 4.3278e9],
+    [0.97470, 2.2399e6, 4.5282e9],
+    [4.4201, 1.7953e6, 9.3046e9],
+    [5.2481, 2.2084e6, 6.6121e9],
 ];
 
 /// From X, Y and Z to linear Rec. 709, by columns; the first two responses are both of X.
@@ -132,8 +132,8 @@ static CHANNELS: LazyLock<[Vec3; 4]> = LazyLock::new(|| {
 fn coherence(way: f32) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for (weight, [_, centre, variance]) in CHANNELS.iter().zip(RESPONSES) {
-        let turns = way * (centre * 1e-9) as f32;
-        let angle = way * (std::f64::consts::TAU * 1e-9) as f32;
+        let turns = way * (centre * NANOMETRE) as f32;
+        let angle = way * (std::f64::consts::TAU * NANOMETRE) as f32;
         let blur = angle * angle * variance as f32;
         if blur < BLUR_ALL {
             sum += *weight * (exp(-blur) * sin_cos_turns(turns - turns.floor()).1);
@@ -141,6 +141,9 @@ fn coherence(way: f32) -> Vec3 {
     }
     sum
 }
+
+/// In metres.
+const NANOMETRE: f64 = 1e-9;
 
 /// An exponent whose share no f32 of order 1 resolves.
 const BLUR_ALL: f32 = 17.0;

@@ -178,7 +178,8 @@ impl Material {
 
     /// The thin film, by the chance of its share: scattering is linear in what facets reflect.
     fn film<F: FnMut() -> f32>(&self, p: &PrincipledInputs, cx: &Shading<'_>, random: &mut F) -> Option<Film> {
-        if p.iridescence.is_nothing() || !chance(p.iridescence.unit(cx), random) {
+        let is_none = p.iridescence.is_nothing() || p.iridescence_thickness.is_nothing();
+        if is_none || !chance(p.iridescence.unit(cx), random) {
             return None;
         }
         let thickness = p.iridescence_thickness.eval(cx.textures, cx.attrs);
@@ -217,7 +218,10 @@ impl Material {
             };
             passes * (share * keep)
         };
-        let film = p.iridescence.unit(cx);
+        let film = match p.iridescence_thickness.is_nothing() {
+            true => 0.0,
+            false => p.iridescence.unit(cx),
+        };
         if film > 0.0 {
             with_film(0.0) * (1.0 - film) + with_film(1.0) * film
         } else {

@@ -1,6 +1,7 @@
 //! Frames: normals of coats and bases, directions of anisotropy.
 
 use super::*;
+use crate::math::frame::Frame;
 use crate::math::robust::try_normalize;
 
 /// A world whose texture 0 leans normals by `lean` (x, y of the unit normal), tangent +x, bitangent +y.
