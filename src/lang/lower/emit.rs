@@ -164,6 +164,9 @@ impl Interp<'_> {
         } else {
             self.emit_look(&object.look, out, &mut done.materials)
         };
+        if let (ShapeDesc::Primitive(shape), Some(id)) = (&object.shape, material) {
+            self.warn_without_coordinates(shape, id, object.span, out);
+        }
         Some(Object {
             shape,
             transform,

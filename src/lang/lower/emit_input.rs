@@ -4,8 +4,8 @@ use crate::diag::Span;
 use crate::lang::desc::{ImageDesc, NormalMapDesc, NumberDesc, Pigment};
 use crate::lang::eval::Interp;
 use crate::scene::{
-    Channel, ColorInput, Encoding, Image, ImageId, ImageSource, ImageTexture, NormalMap, Place, ScalarInput, Scene,
-    TexelFilter, Texture, TextureId, Wrap,
+    Channel, ColorInput, Encoding, Image, ImageId, ImageSource, ImageTexture, MaterialId, NormalMap, Place,
+    ScalarInput, Scene, Shape, TexelFilter, Texture, TextureId, Wrap,
 };
 use glam::{DAffine2, DAffine3, DMat2, DVec2, DVec3};
 
@@ -68,6 +68,24 @@ impl Interp<'_> {
             Channel::A => 1.0 - filter - transmit,
         };
         (n.offset + n.factor * value.clamp(0.0, 1.0)).into()
+    }
+
+    /// Tells, once, that an image has nowhere to lie: of shapes only spheres have coordinates of their own.
+    pub(super) fn warn_without_coordinates(&mut self, shape: &Shape, id: MaterialId, at: Span, out: &Scene) {
+        let Some(material) = out
+            .materials
+            .get(id.index())
+            .filter(|_| !matches!(shape, Shape::Sphere { .. }))
+        else {
+            return;
+        };
+        let mut shows_image = false;
+        let is_image = |t: TextureId| matches!(out.textures.get(t.index()), Some(Texture::Image(_)));
+        material.each_texture(&mut |t| shows_image |= is_image(t));
+        if shows_image {
+            let message = "this shape has no texture coordinates: images on it show one texel";
+            self.warn_once("P0417", at, message);
+        }
     }
 
     /// A normal map.

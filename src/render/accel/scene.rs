@@ -58,14 +58,14 @@ pub struct Item<'a> {
 pub struct SceneTree {
     targets: Vec<Target>,
     visibility: Vec<u8>,
-    meshes: Vec<MeshTree>,
+    pub(super) meshes: Vec<MeshTree>,
     planes: Vec<u32>,
     spheres: SphereList,
     nodes: Vec<Node>,
     stack_need: usize,
     /// World box of everything but the planes.
     bounds: Bounds,
-    instructions: Instructions,
+    pub(super) instructions: Instructions,
 }
 
 impl SceneTree {
@@ -224,18 +224,6 @@ impl SceneTree {
         }
     }
 
-    /// Where a ray ends on a triangle of a mesh that moves; the room around that.
-    #[inline(never)]
-    fn end_on_moving(&self, moving: &MovingTarget, ray: &Ray, corners: [Vec3; 3], end: &mut Candidates) -> f64 {
-        match (moving.still(), moving.line(ray)) {
-            (Target::Mesh { mesh, tree_from_world }, Some((o, d))) => {
-                let line = line_in(tree_from_world, o, d);
-                self.meshes[*mesh as usize].intersect_one(line, ray.to.prim, corners, end)
-            }
-            _ => 0.0,
-        }
-    }
-
     /// What a ray meets of an object at its time, and the ray's origin and direction as that sees them.
     #[cfg(test)]
     fn located(&self, object: u32, ray: &Ray) -> Option<(&Target, DVec3, DVec3)> {
@@ -346,48 +334,21 @@ impl SceneTree {
         }
     }
 
-    /// Moves the ray to where the object was compiled. The direction is mapped and not normalised, so that t stays what
-    /// it is.
-    #[inline(never)]
-    fn meet_moving<const ANY: bool>(&self, moving: &MovingTarget, ray: &Ray, found: &mut Candidates) {
-        let Some((o, d)) = moving.line(ray) else { return };
-        if let Target::Mesh { mesh, tree_from_world } = moving.still()
-            && self.meshes[*mesh as usize].bends()
-        {
-            let line = line_in(tree_from_world, o, d);
-            return self.meet_bending::<ANY>(*mesh, line, ray.time, found);
-        }
-        #[cfg(target_arch = "x86_64")]
-        if self.instructions == Instructions::Avx2 {
-            // SAFETY: `instructions` is Avx2 only where detection found it.
-            #[allow(unsafe_code)]
-            return unsafe { self.meet_avx2::<ANY>(moving.still(), o, d, found) };
-        }
-        self.meet_still::<ANY, Baseline>(moving.still(), o, d, found);
-    }
-
-    /// A mesh where it is, in its form at a time.
-    #[inline(never)]
-    fn meet_bending<const ANY: bool>(&self, mesh: u32, line: Line, time: f32, found: &mut Candidates) {
-        let mesh = &self.meshes[mesh as usize];
-        #[cfg(target_arch = "x86_64")]
-        if self.instructions == Instructions::Avx2 {
-            // SAFETY: `instructions` is Avx2 only where detection found it.
-            #[allow(unsafe_code)]
-            return unsafe { bending_avx2::<ANY>(mesh, line, time, found) };
-        }
-        mesh.intersect_at::<Baseline>(line, time, ANY, found);
-    }
-
     /// The same code for wider vectors, apart from the walk that meets what stands still.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,bmi1")]
-    fn meet_avx2<const ANY: bool>(&self, target: &Target, o: DVec3, d: DVec3, found: &mut Candidates) {
+    pub(super) fn meet_avx2<const ANY: bool>(&self, target: &Target, o: DVec3, d: DVec3, found: &mut Candidates) {
         self.meet_still::<ANY, super::simd::Avx2>(target, o, d, found);
     }
 
     #[inline(always)]
-    fn meet_still<const ANY: bool, I: Isa>(&self, target: &Target, o: DVec3, d: DVec3, found: &mut Candidates) {
+    pub(super) fn meet_still<const ANY: bool, I: Isa>(
+        &self,
+        target: &Target,
+        o: DVec3,
+        d: DVec3,
+        found: &mut Candidates,
+    ) {
         match target {
             Target::Sphere { center, radius_squared } => {
                 let dd = d.length_squared();
@@ -405,16 +366,9 @@ impl SceneTree {
     }
 }
 
-/// The same code for wider vectors.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,bmi1")]
-fn bending_avx2<const ANY: bool>(mesh: &MeshTree, line: Line, time: f32, found: &mut Candidates) {
-    mesh.intersect_at::<super::simd::Avx2>(line, time, ANY, found);
-}
-
 /// The ray in the unit of a mesh's tree.
 #[inline(always)]
-fn line_in(tree_from_world: &DAffine3, o: DVec3, d: DVec3) -> Line {
+pub(super) fn line_in(tree_from_world: &DAffine3, o: DVec3, d: DVec3) -> Line {
     // What glam computes, inlined wherever it stands.
     let DAffine3 {
         matrix3: m,

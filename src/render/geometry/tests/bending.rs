@@ -88,7 +88,7 @@ fn a_bending_mesh_is_hit_where_it_is() {
             assert!(geometry.reaches(&Ray { to: a.prim, ..ray }), "{ray:?}");
         }
     }
-    assert!(hits > 2000 && misses > 1000, "{hits} hits, {misses} misses");
+    assert!(hits > 1000 && misses > 1000, "{hits} hits, {misses} misses");
 }
 
 /// Triangles that share a vertex share it at all times: no ray from inside gets out.
