@@ -82,9 +82,11 @@ fn change_number(rng: &mut Pcg, bytes: &mut Vec<u8>) {
     bytes[12..16].copy_from_slice(&(grown as u32).to_le_bytes());
 }
 
-fn damage(rng: &mut Pcg, seeds: &[Vec<u8>]) -> Vec<u8> {
-    let mut bytes = seeds[below(rng, seeds.len())].clone();
-    for _ in 0..=below(rng, 4) {
+/// A damaged copy of a seed, mostly of one of the first `sound`, which are whole.
+fn damage(rng: &mut Pcg, seeds: &[Vec<u8>], sound: usize) -> Vec<u8> {
+    let among = if below(rng, 4) > 0 { sound } else { seeds.len() };
+    let mut bytes = seeds[below(rng, among)].clone();
+    for _ in 0..=below(rng, 3) {
         if bytes.is_empty() {
             break;
         }
@@ -124,16 +126,19 @@ fn peak_memory() -> Option<u64> {
 }
 
 /// Checks the seeds, then damaged copies; at a panic the test says which.
-fn run(name: &str, folders: &[&str], check: fn(&[u8])) {
-    let seeds = seeds(folders);
-    assert!(seeds.len() >= 3, "{name} has only {} seeds", seeds.len());
+fn run(name: &str, sound: Vec<Vec<u8>>, broken: &str, check: fn(&[u8]) -> bool) {
+    let whole = sound.len();
+    assert!(sound.iter().all(|seed| check(seed)), "a seed of {name} cannot be read");
+    let seeds = [sound, seeds(&[broken])].concat();
+    assert!(whole >= 1 && seeds.len() >= 10, "{name} has only {} seeds", seeds.len());
     let count = std::env::var("PTS_DAMAGE").map_or(1500, |n| n.parse().expect("a number"));
-    let mut rng = Pcg::new(7);
+    let (mut rng, mut read) = (Pcg::new(7), 0);
     for i in 0..seeds.len() + count {
-        let bytes = seeds.get(i).cloned().unwrap_or_else(|| damage(&mut rng, &seeds));
+        let bytes = seeds.get(i).cloned().unwrap_or_else(|| damage(&mut rng, &seeds, whole));
         let begun = Instant::now();
         let result = std::panic::catch_unwind(|| check(&bytes));
         let elapsed = begun.elapsed();
+        read += usize::from(i >= seeds.len() && matches!(result, Ok(true)));
         let memory = peak_memory().unwrap_or(0);
         if result.is_err() || elapsed > LIMIT || memory > MEMORY {
             let file = std::env::temp_dir().join(format!("pts-damage-{name}-{i}"));
@@ -145,24 +150,38 @@ fn run(name: &str, folders: &[&str], check: fn(&[u8])) {
             );
         }
     }
+    assert!(
+        read * 20 > count,
+        "the damage must leave some files readable, so that it reaches the readers: {read} of {count}"
+    );
 }
 
 #[test]
 fn damaged_gltf_ends_in_an_error_or_a_scene() {
-    let folders = ["fuzz/seeds/gltf", "tests/gltf/data", "tests/bad/gltf"];
-    run("gltf", &folders, model_damage::check_gltf);
+    let sound = seeds(&["fuzz/seeds/gltf", "tests/gltf/data"]);
+    run("gltf", sound, "tests/bad/gltf", model_damage::check_gltf);
 }
 
 #[test]
 fn damaged_obj_ends_in_an_error_or_a_scene() {
-    run("obj", &["fuzz/seeds/obj", "tests/bad/obj"], model_damage::check_obj);
+    run(
+        "obj",
+        seeds(&["fuzz/seeds/obj"]),
+        "tests/bad/obj",
+        model_damage::check_obj,
+    );
 }
 
 #[test]
 fn damaged_pictures_end_in_an_error_or_a_picture() {
-    run(
-        "picture",
-        &["tests/pictures", "tests/bad/images"],
-        model_damage::check_picture,
-    );
+    use image::ImageFormat::{Bmp, Gif, Jpeg, Png, Pnm, WebP};
+    let picture = image::RgbImage::from_fn(19, 13, |x, y| image::Rgb([x as u8 * 13, y as u8 * 19, 99]));
+    let encoded = |format| {
+        let mut out = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut out, format).expect("in-memory encoding");
+        out.into_inner()
+    };
+    let mut sound = seeds(&["tests/pictures"]);
+    sound.extend([Bmp, Gif, Jpeg, Png, Pnm, WebP].map(encoded));
+    run("picture", sound, "tests/bad/images", model_damage::check_picture);
 }

@@ -6,4 +6,6 @@
 #[allow(dead_code)]
 mod model_damage;
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| model_damage::check_obj(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    model_damage::check_obj(data);
+});

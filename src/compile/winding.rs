@@ -304,7 +304,7 @@ mod tests {
                 (i / 2) as f32 * std::f32::consts::TAU / 3.0,
                 (i / 2) as f32 * std::f32::consts::PI / 3.0,
             );
-            let side = if i % 2 == 0 { -0.3 } else { 0.3 };
+            let side = if i.is_multiple_of(2) { -0.3 } else { 0.3 };
             let r = 1.0 + side * half.cos();
             Vec3::new(r * turn.cos(), side * half.sin(), r * turn.sin())
         };

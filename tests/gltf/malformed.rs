@@ -12,6 +12,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("accessor-component-unknown.gltf", "G0401", "accessors[0]"),
     ("accessor-count-huge.gltf", "G0404", "accessors[0]"),
     ("accessor-count-negative.gltf", "G0203", "accessors[0]"),
+    ("accessor-count-zero.gltf", "G0606", "meshes[0].primitives[0]"),
     ("accessor-four-billion-zeros.gltf", "G0405", "accessors[0]"),
     ("accessor-of-no-view.gltf", "G0202", "accessors[0].bufferView"),
     ("accessor-offset-huge.gltf", "G0404", "accessors[0]"),
@@ -24,6 +25,22 @@ const CASES: &[(&str, &str, &str)] = &[
     ("buffer-shorter-than-it-says.gltf", "G0313", "buffers[0]"),
     ("camera-field-of-view.gltf", "G0811", "cameras[0].perspective.yfov"),
     ("cut-in-the-middle.gltf", "G0104", "line 39, column 21"),
+    (
+        "draco-attribute-missing.glb",
+        "G0315",
+        "extensions.KHR_draco_mesh_compression",
+    ),
+    ("draco-data-cut.glb", "G0315", "extensions.KHR_draco_mesh_compression"),
+    (
+        "draco-data-random.glb",
+        "G0315",
+        "extensions.KHR_draco_mesh_compression",
+    ),
+    (
+        "draco-view-missing.glb",
+        "G0202",
+        "KHR_draco_mesh_compression.bufferView",
+    ),
     ("empty.gltf", "G0104", "line 1, column 0"),
     ("fewer-normals-than-positions.gltf", "G0611", "attributes.NORMAL"),
     ("glb-binary-chunk-cut.glb", "G0103", "glb-binary-chunk-cut.glb"),
@@ -31,15 +48,27 @@ const CASES: &[(&str, &str, &str)] = &[
     ("glb-json-chunk-too-long.glb", "G0103", "glb-json-chunk-too-long.glb"),
     ("glb-length-huge.glb", "G0102", "glb-length-huge.glb"),
     ("glb-length-wrong.glb", "G0102", "glb-length-wrong.glb"),
+    ("glb-length-zero.glb", "G0102", "glb-length-zero.glb"),
     ("glb-version-1.glb", "G0102", "glb-version-1.glb"),
     ("glb-without-binary-chunk.glb", "G0312", "buffers[0]"),
     ("glb-without-json.glb", "G0103", "glb-without-json.glb"),
+    ("gltf-1-by-its-form.gltf", "G0201", "asset"),
     ("gltf-1.gltf", "G0201", "asset.version"),
     ("image-empty.gltf", "G0705", "images[0]"),
     ("image-missing.gltf", "G0303", "images[0].uri"),
     ("image-view-outside.gltf", "G0311", "bufferViews[2]"),
     ("index-out-of-range.gltf", "G0605", "meshes[0].primitives[0].indices"),
+    (
+        "index-restarts-a-strip.gltf",
+        "G0617",
+        "meshes[0].primitives[0].indices",
+    ),
     ("indices-are-floats.gltf", "G0403", "accessors[1]"),
+    (
+        "instances-of-millions-of-zeros.gltf",
+        "G0620",
+        "EXT_mesh_gpu_instancing.attributes",
+    ),
     (
         "instances-of-unlike-counts.gltf",
         "G0508",
@@ -121,6 +150,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("sparse-longer-than-view.gltf", "G0404", "accessors[0].sparse.indices"),
     ("stride-less-than-element.gltf", "G0404", "accessors[0]"),
     ("texture-missing.gltf", "G0202", "materials[0].emissiveTexture.index"),
+    ("texture-only-avif.gltf", "G0704", "textures[0]"),
     ("two-corners.gltf", "G0606", "meshes[0].primitives[0]"),
     ("view-of-no-buffer.gltf", "G0202", "bufferViews[1].buffer"),
     ("view-outside-buffer.gltf", "G0311", "bufferViews[0]"),
@@ -377,6 +407,11 @@ fn small_files_that_ask_for_much_are_refused() {
     m.json["nodes"] = json!(vec![json!({"mesh": 0, "skin": 0}); 2000]);
     m.json["scenes"][0]["nodes"] = (0..2000).collect();
     refused(&m, "G0620");
+
+    // Roots that are all the same.
+    let mut m = Model::triangle();
+    m.json["scenes"][0]["nodes"] = json!(vec![0; 1_000_000]);
+    refused(&m, "G0504");
 
     // Children that are named again and again below a deep chain.
     let mut m = Model::triangle();

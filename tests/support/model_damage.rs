@@ -1,5 +1,5 @@
 //! Loads bytes as a model or picture, as a fuzzer or a test gives them: nothing may panic, hang or take memory without
-//! end. Fuzz targets and tests share these bodies.
+//! end. Fuzz targets and tests share these bodies. Each tells whether something was read.
 
 use pts::diag::Diagnostics;
 use pts::files::MemoryFiles;
@@ -10,7 +10,7 @@ use pts::pictures::{Limits, cost, decode};
 const PICTURE: u64 = 64 << 20;
 
 /// Loads bytes as a glTF or GLB, beside which some files lie, and compiles what can be drawn.
-pub fn check_gltf(bytes: &[u8]) {
+pub fn check_gltf(bytes: &[u8]) -> bool {
     let mut files = MemoryFiles::default();
     files.insert("m/model.glb", bytes);
     files.insert("m/b.bin", vec![0x3F; 600]);
@@ -26,15 +26,16 @@ pub fn check_gltf(bytes: &[u8]) {
         diags.has_errors(),
         "no scene if and only if there are errors"
     );
-    let Some(mut scene) = scene else { return };
+    let Some(mut scene) = scene else { return false };
     if scene.objects.len() < 100 && scene.meshes.iter().map(|m| m.triangles.len()).sum::<usize>() < 10_000 {
         pts::import::framing::frame(&mut scene, 4.0 / 3.0);
         pts::compile::compile(&scene, &files, 4, 3, &mut diags);
     }
+    true
 }
 
 /// Loads bytes as an OBJ; what follows a line `#mtl` is its material library.
-pub fn check_obj(bytes: &[u8]) {
+pub fn check_obj(bytes: &[u8]) -> bool {
     let marker = b"#mtl\n";
     let split = bytes
         .windows(marker.len())
@@ -51,10 +52,11 @@ pub fn check_obj(bytes: &[u8]) {
         diags.has_errors(),
         "no scene if and only if there are errors"
     );
+    scene.is_some()
 }
 
 /// Decodes bytes as a picture, unless that would be a large one.
-pub fn check_picture(bytes: &[u8]) {
+pub fn check_picture(bytes: &[u8]) -> bool {
     let limits = Limits {
         max_texels: 1 << 22,
         max_bytes: PICTURE,
@@ -64,5 +66,7 @@ pub fn check_picture(bytes: &[u8]) {
     {
         let texels = picture.width as usize * picture.height as usize;
         assert_eq!(picture.texels.len(), texels);
+        return true;
     }
+    false
 }

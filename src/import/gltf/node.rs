@@ -118,8 +118,10 @@ impl Loader<'_> {
             self.report.error("G0203", at, "is not an array of indices");
             return Vec::new();
         };
-        let mut out = Vec::with_capacity(items.len());
-        for (i, item) in items.iter().enumerate() {
+        // One more than there are nodes is met twice for sure; further ones would only take memory.
+        let most = self.doc.len("nodes").saturating_add(1).min(items.len());
+        let mut out = Vec::with_capacity(most);
+        for (i, item) in items.iter().enumerate().take(most) {
             let at = format!("{at}[{i}]");
             match item.as_u64() {
                 Some(index) => out.push((index as usize, at)),

@@ -452,7 +452,7 @@ fn small_files_that_ask_for_much_work_end_soon() {
     text += &"mtllib a.mtl\n".repeat(20_000);
     // A comb of many teeth.
     for i in 0..60_000 {
-        text += &format!("v {} {} 0\n", i, if i % 2 == 0 { 0 } else { 5 + i % 7 });
+        text += &format!("v {} {} 0\n", i, if i & 1 == 0 { 0 } else { 5 + i % 7 });
     }
     text += "f 1 2 3\nf";
     (4..60_004).for_each(|i| text += &format!(" {i}"));
