@@ -81,7 +81,7 @@ fn shoot(mut scene: Scene, sky: f64, spp: u32) -> RegionMean {
     let compiled = compile(&scene, &MemoryFiles::default(), SIZE, SIZE, &mut diags);
     let compiled = compiled.unwrap_or_else(|| panic!("{diags:?}"));
     let (picture, report) = driver::render(&compiled, &settings, &Silent);
-    assert!(report.anomalies.is_empty(), "{:?}", report.anomalies);
+    assert!(report.anomalies.is_empty(), "{:?}\n{}", report.anomalies, scene.dump());
     scenes::estimate(&picture).region(WHOLE)
 }
 
@@ -166,42 +166,56 @@ fn material(parts: &[&Value], roughness: f64, color: [f64; 4]) -> Value {
     json!({"pbrMetallicRoughness": core, "extensions": extensions})
 }
 
-/// The brightest channel of the picture is at least `low` and at most `high`. What is noisy gets more samples.
-fn check(name: &str, material: Value, low: f64, high: f64) {
+/// What is wrong unless the brightest channel of the picture is within the bounds. What is noisy gets more samples.
+fn fault(name: &str, material: Value, (low, high): (f64, f64)) -> Option<String> {
     let scene = boxed(material);
-    for spp in [64, 512, 4096] {
-        let found = shoot(scene.clone(), 1.0, spp);
-        let noise = 5.0 * found.stderr.iter().fold(0.0, |a: f64, b| a.max(*b));
-        let most = found.mean.iter().fold(0.0, |a: f64, b| a.max(*b));
-        if noise < 0.01 || spp == 4096 {
-            assert!(noise < 0.03, "{name}: noise of {noise}");
-            assert!(most < high + noise && most > low - noise, "{name}: {found:?}");
-            return;
+    let mut found = shoot(scene.clone(), 1.0, 64);
+    for spp in [512, 4096] {
+        if noise(&found) > 0.01 {
+            found = shoot(scene.clone(), 1.0, spp);
         }
     }
+    let (noise, most) = (noise(&found), found.mean.iter().fold(0.0, |a: f64, b| a.max(*b)));
+    let is_right = noise < 0.03 && most < high + noise && most > low - noise;
+    (!is_right).then(|| format!("{name}: {found:?}"))
+}
+
+fn noise(found: &RegionMean) -> f64 {
+    5.0 * found.stderr.iter().fold(0.0, |a: f64, b| a.max(*b))
+}
+
+fn assert_none(faults: Vec<String>) {
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 const WHITE: [f64; 4] = [1.0; 4];
 
-/// The least that is left of white: films lose what their brightest channel has more than the others, at each view.
-fn least(names: &[&str]) -> f64 {
-    let has_film = names.iter().any(|n| n.contains("iridescence") || n.contains("film"));
-    if has_film { 0.96 } else { 0.99 }
-}
-
-#[test]
-fn white_is_lost_under_no_extension_alone() {
-    for (name, part) in extensions() {
-        for roughness in [0.0, 0.1, 0.5, 1.0] {
-            let name = format!("{name} of roughness {roughness}");
-            check(&name, material(&[&part], roughness, WHITE), least(&[&name]), 1.01);
-        }
+/// Within which white stays: films lose what their brightest channel has more than the others, at each view, and in rough
+/// solids they have no tables of their own.
+fn bounds(names: &[&str]) -> (f64, f64) {
+    let has = |what: &[&str]| names.iter().any(|n| what.iter().any(|w| n.contains(w)));
+    match (has(&["iridescence", "film"]), has(&["volume", "dispersion"])) {
+        (false, _) => (0.99, 1.01),
+        (true, false) => (0.96, 1.01),
+        (true, true) => (0.96, 1.02),
     }
 }
 
 #[test]
+fn white_is_lost_under_no_extension_alone() {
+    let mut faults = vec![];
+    for (name, part) in extensions() {
+        for roughness in [0.0, 0.1, 0.5, 1.0] {
+            let name = format!("{name} of roughness {roughness}");
+            faults.extend(fault(&name, material(&[&part], roughness, WHITE), bounds(&[&name])));
+        }
+    }
+    assert_none(faults);
+}
+
+#[test]
 fn white_is_lost_under_no_two_extensions() {
-    let all = extensions();
+    let (all, mut faults) = (extensions(), vec![]);
     for (i, (a, part)) in all.iter().enumerate() {
         for (b, other) in &all[i + 1..] {
             if *a == "unlit" || *b == "unlit" {
@@ -210,9 +224,14 @@ fn white_is_lost_under_no_two_extensions() {
             // Alternating keeps the time.
             let roughness = if (i + b.len()) % 2 == 0 { 0.15 } else { 0.6 };
             let name = format!("{a} with {b}, roughness {roughness}");
-            check(&name, material(&[part, other], roughness, WHITE), least(&[a, b]), 1.01);
+            faults.extend(fault(
+                &name,
+                material(&[part, other], roughness, WHITE),
+                bounds(&[a, b]),
+            ));
         }
     }
+    assert_none(faults);
 }
 
 /// Colours take light away and never give it: dark and saturated ones, with extensions at odd strengths.
@@ -233,12 +252,14 @@ fn no_colour_creates_light() {
             "diffuseTransmissionColorFactor": [1, 0.5, 0]}}),
         json!({"core": {"metallicFactor": 0.5}}),
     ];
+    let mut faults = vec![];
     for part in &transmissions {
         for roughness in [0.0, 0.3, 1.0] {
             let material = material(&[&coloured, part], roughness, [0.9, 0.4, 0.1, 1.0]);
-            check(&format!("{part} {roughness}"), material, 0.0, 1.01);
+            faults.extend(fault(&format!("{part} {roughness}"), material, (0.0, 1.01)));
         }
     }
+    assert_none(faults);
 }
 
 /// A film without share, and one without thickness, leave every bit as it is.

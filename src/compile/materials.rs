@@ -426,9 +426,9 @@ pub(super) fn solid(material: &Material) -> (f32, f32, bool) {
     }
 }
 
-/// An index of 1 is the same for all wavelengths: it disperses nothing.
+/// An index of 1 is the same for all wavelengths, and so is an infinite one (glTF's 0): they disperse nothing.
 fn spread(dispersion: f32, ior: f64) -> f32 {
-    if ior == 1.0 { 0.0 } else { dispersion }
+    if ior == 1.0 || ior == 0.0 { 0.0 } else { dispersion }
 }
 
 /// All images that these materials use, so that they can be decoded side by side.

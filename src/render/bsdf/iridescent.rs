@@ -193,21 +193,28 @@ impl Iridescent {
     }
 
     /// What the facets of a solid lose with the film, over what the tables say they lose without it: reflected light is
-    /// hidden more often than refracted light. By the ratio of the means over views from the thinner side, so that it is one
-    /// number for both directions of light.
+    /// hidden more often than refracted light. The lesser of both sides, so that neither gains and that it is one number for
+    /// both directions of light.
     fn balance(&self, ggx: Ggx) -> Vec3 {
-        let Below::Solid { eta, .. } = self.below else {
-            return Vec3::ONE;
-        };
-        let (alpha, eta) = (ggx.alpha(), eta.max(1.0 / eta));
+        match self.below {
+            Below::Solid { eta, .. } => self.balance_towards(ggx, eta).min(self.balance_towards(ggx, 1.0 / eta)),
+            _ => Vec3::ONE,
+        }
+    }
+
+    /// [`Iridescent::balance`] of one side, by the ratio of the means over its views.
+    fn balance_towards(&self, ggx: Ggx, eta: f32) -> Vec3 {
+        let alpha = ggx.alpha();
         let (mut more, mut lost) = (Vec3::ZERO, 0.0);
         for (cos, weight) in mean_over_views() {
             let (base, edge) = schlick_albedo(cos, alpha);
             let (all, bare) = (solid_albedo(cos, alpha, eta), typical_reflectance(cos, alpha, eta));
-            let refracted = (all - bare * (base + edge)) / (1.0 - bare);
-            let film = self.reflectance(typical_cosine(cos, alpha), eta);
-            more += (film - Vec3::splat(bare)) * (weight * (refracted - base - edge));
             lost += weight * (1.0 - all);
+            if bare < 1.0 {
+                let refracted = (all - bare * (base + edge)) / (1.0 - bare);
+                let film = self.reflectance(typical_cosine(cos, alpha), eta);
+                more += (film - Vec3::splat(bare)) * (weight * (refracted - base - edge));
+            }
         }
         if lost > 0.0 {
             (Vec3::ONE + more / lost).clamp(Vec3::ZERO, Vec3::splat(2.0))

@@ -142,6 +142,9 @@ impl Material {
             let film = self.film(p, cx, random);
             if p.thick {
                 let eta = self.relative_ior(cx);
+                if !eta.is_finite() {
+                    return self.scattering.conductor(Vec3::ONE, ggx); // nothing gets in
+                }
                 let Some(film) = film else {
                     return self.scattering.solid(color, eta, alpha);
                 };
