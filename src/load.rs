@@ -47,6 +47,8 @@ pub struct LoadOptions {
     pub gltf_scene: Option<String>,
     /// Which material variant of a bare glTF.
     pub variant: Option<String>,
+    /// The only animation of a bare glTF that is played.
+    pub animation: Option<String>,
     /// Whether a glTF, bare or in a text scene, may read files outside its own folder.
     pub allow_outside: bool,
     /// How materials of a glTF, bare or in a text scene, that transmit are drawn.
@@ -95,6 +97,7 @@ pub fn load(
                 scene: options.gltf_scene.clone(),
                 variant: options.variant.clone(),
                 clock: options.clock,
+                animation: options.animation.clone(),
                 shutter: options.shutter.unwrap_or(0.0),
                 allow_outside: options.allow_outside,
                 glass: options.glass,
@@ -142,6 +145,7 @@ fn load_model(
                 node: wanted.node.clone(),
                 node_is_origin: wanted.node_is_origin,
                 clock: wanted.clock,
+                animation: wanted.animation.clone(),
                 allow_outside: options.allow_outside,
                 glass: options.glass,
                 ..gltf::GltfOptions::default()

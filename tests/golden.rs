@@ -9,17 +9,17 @@ use support::{images, scenes, ztest};
 const ALPHA: f64 = 1e-3;
 
 fn check(scene: &str) {
-    check_picture(&format!("tests/golden/{scene}"), [32, 32]);
+    check_picture(&format!("tests/golden/{scene}"), [32, 32], 8192);
 }
 
-/// `scene`: a path in the repository; its picture is `tests/golden/NAME.exr`.
-fn check_picture(scene: &str, size: [u32; 2]) {
+/// `scene`: a path in the repository; its picture is `tests/golden/NAME.exr`, of this size and made with so many samples.
+fn check_picture(scene: &str, size: [u32; 2], spp: u32) {
     let stem = scenes::path(scene);
     let stem = stem.file_stem().and_then(|s| s.to_str()).expect("a name");
     let golden = scenes::path(&format!("tests/golden/{stem}.exr"));
     let ready = scenes::ready(scene, &[], size);
     if std::env::var_os("PTS_BLESS").is_some() {
-        images::write_estimate(&golden, &ready.estimate(8192, 77));
+        images::write_estimate(&golden, &ready.estimate(spp, 77));
     }
     let expected = images::read_estimate(&golden);
     let found = ready.estimate(256, 1);
@@ -34,12 +34,12 @@ fn check_picture(scene: &str, size: [u32; 2]) {
 /// A feature of glTF: models that `examples/make_models.rs` writes. Their pictures were compared with those of another
 /// renderer by eye and by their means when they were made.
 fn check_feature(name: &str) {
-    check_picture(&format!("tests/golden/features/{name}.gltf"), [48, 32]);
+    check_picture(&format!("tests/golden/features/{name}.gltf"), [48, 32], 2048);
 }
 
 /// An extension of glTF's materials: the grid of the gallery.
 fn check_extension(name: &str) {
-    check_picture(&format!("scenes/extensions/{name}.gltf"), [50, 30]);
+    check_picture(&format!("scenes/extensions/{name}.gltf"), [50, 30], 2048);
 }
 
 macro_rules! golden {

@@ -250,6 +250,10 @@ pub struct LoadArgs {
     /// Which material variant of a bare glTF to show, by name.
     #[arg(long, value_name = "NAME", help_heading = SCENE)]
     pub variant: Option<String>,
+    /// The only animation of a bare glTF that is played, by name; from its beginning without a clock [default: all, each
+    /// as far as it does not contradict an earlier one].
+    #[arg(long, value_name = "NAME", help_heading = SCENE)]
+    pub animation: Option<String>,
     /// Let a glTF read buffers and images outside its own folder. For models that you trust.
     #[arg(long, help_heading = SCENE)]
     pub allow_outside: bool,

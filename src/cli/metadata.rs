@@ -55,6 +55,9 @@ impl<F: Files> HashingFiles<F> {
             hash.write(&[u8::from(load.clock.is_some()), u8::from(load.shutter.is_some())]);
             hash.write(&load.shutter.unwrap_or(0.0).to_le_bytes());
         }
+        if let Some(animation) = &load.animation {
+            hash.write(animation.as_bytes());
+        }
         if let Some(glass) = load.glass {
             hash.write(format!("{glass:?}").as_bytes());
         }

@@ -113,6 +113,7 @@ pub fn scene_words(view: &ViewArgs, load: &LoadArgs) -> Vec<String> {
     flag("--shutter", load.shutter.map(|s| s.to_string()));
     flag("--gltf-scene", load.gltf_scene.clone());
     flag("--variant", load.variant.clone());
+    flag("--animation", load.animation.clone());
     flag("--glass", load.glass.map(|g| g.word().to_owned()));
     words.extend(load.allow_outside.then(|| "--allow-outside".to_owned()));
     words

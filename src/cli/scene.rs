@@ -41,6 +41,7 @@ pub fn load_options(args: &LoadArgs, size: [Option<u32>; 2]) -> LoadOptions {
         frame: args.moment.map(|m| m.frame),
         gltf_scene: args.gltf_scene.clone(),
         allow_outside: args.allow_outside,
+        animation: args.animation.clone(),
         glass: args.glass.map_or(Glass::AsWritten, |g| g.glass()),
         variant: args.variant.clone(),
     }

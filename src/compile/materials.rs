@@ -85,6 +85,7 @@ impl<'a, 'i> Materials<'a, 'i> {
             EmissionSides::Both => (emits, emits),
             EmissionSides::ByShape => (emits, emits && open),
         };
+        out.unlit = material.unlit;
         out.alpha = match material.opacity.mode {
             OpacityMode::Opaque => engine::Alpha::Opaque,
             OpacityMode::Mask(cutoff) => {
@@ -93,6 +94,10 @@ impl<'a, 'i> Materials<'a, 'i> {
             OpacityMode::Blend => engine::Alpha::Blend(self.scalar(&material.opacity.alpha, diags)),
         };
         out.normal_map = material.normal_map.as_ref().and_then(|n| self.normal_map(n, diags));
+        if let engine::SurfaceModel::Principled(p) = &mut out.surface {
+            let has_relief = material.normal_map.is_some() || material.bump_map.is_some();
+            p.coat_apart = !p.clearcoat.is_nothing() && (has_relief || p.clearcoat_normal.is_some());
+        }
         out.medium = self.media.add(&material.interior);
         out.bump_map = material.bump_map.as_ref().and_then(|b| self.bump_map(b, diags));
         let is_colored = id.is_some_and(|id| self.colored.contains(&id));
@@ -179,12 +184,18 @@ impl<'a, 'i> Materials<'a, 'i> {
             thick: p.thick,
             clearcoat: self.scalar(&p.clearcoat, diags),
             clearcoat_roughness: self.scalar(&p.clearcoat_roughness, diags),
+            clearcoat_normal: p.clearcoat_normal.as_ref().and_then(|n| self.normal_map(n, diags)),
+            coat_apart: false, // see where the material is put together
             sheen_color: self.color(&p.sheen_color, diags),
             sheen_roughness: self.scalar(&p.sheen_roughness, diags),
             anisotropy: self.scalar(&p.anisotropy, diags),
             anisotropy_rotation: p.anisotropy_rotation as f32,
             diffuse_transmission: self.scalar(&p.diffuse_transmission, diags),
             diffuse_transmission_color: self.color(&p.diffuse_transmission_color, diags),
+            anisotropy_direction: p.anisotropy_direction.and_then(|t| self.texture(t, diags)),
+            iridescence: self.scalar(&p.iridescence, diags),
+            iridescence_ior: p.iridescence_ior as f32,
+            iridescence_thickness: self.scalar(&p.iridescence_thickness, diags),
         }
     }
 
@@ -352,8 +363,11 @@ impl<'a, 'i> Materials<'a, 'i> {
                     &p.sheen_roughness,
                     &p.anisotropy,
                     &p.diffuse_transmission,
+                    &p.iridescence,
+                    &p.iridescence_thickness,
                 ];
-                !p.anisotropy.is_nothing() || colors.into_iter().any(color) || scalars.into_iter().any(scalar)
+                let is_directed = !p.anisotropy.is_nothing() || p.clearcoat_normal.is_some();
+                is_directed || colors.into_iter().any(color) || scalars.into_iter().any(scalar)
             }
         };
         alpha || surface || color(&m.emission) || m.normal_map.is_some() || m.bump_map.is_some()
@@ -379,6 +393,11 @@ pub(super) fn solid(material: &Material) -> (f32, f32, bool) {
         SurfaceModel::Principled(p) => {
             let is_metal = is_at_least(&p.metallic, 1.0);
             let transmits = p.thick && p.transmission.most() > 0.0 && !is_metal;
+            // Light that only seeps in is bent nowhere: there is nothing but the filling.
+            let seeps = p.thick && p.diffuse_transmission.most() > 0.0 && !is_metal;
+            if seeps && !transmits && !material.interior.is_clear() {
+                return (1.0, 0.0, true);
+            }
             (
                 if p.ior == 0.0 { f32::INFINITY } else { p.ior as f32 },
                 if transmits {

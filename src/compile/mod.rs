@@ -10,6 +10,7 @@ pub mod effects;
 mod flatten;
 mod images;
 mod lights;
+mod loose;
 mod materials;
 mod media;
 mod motion;
@@ -193,10 +194,11 @@ fn emits(scene: &Scene, id: MaterialId) -> bool {
 fn is_see_through(m: &Material) -> bool {
     let alpha = !matches!(m.alpha, Alpha::Opaque);
     alpha
+        || m.unlit
         || match &m.surface {
             // Also with an ior: inside a medium of the same index nothing is bent.
             SurfaceModel::Finish(f) => f.filter > 0.0 || f.transmit > 0.0,
-            SurfaceModel::Principled(p) => p.transmission.factor > 0.0 && !p.thick,
+            SurfaceModel::Principled(p) => !p.transmission.is_nothing() && !p.thick,
             SurfaceModel::Black
             | SurfaceModel::Diffuse { .. }
             | SurfaceModel::Specular { .. }

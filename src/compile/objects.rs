@@ -1,9 +1,10 @@
 //! Placed shapes become the engine's objects; what emits becomes a light as well.
 
 use super::flatten::Leaf;
+use super::loose::Loose;
 use super::materials::Materials;
 use super::motion;
-use super::winding::turn_outward;
+use super::winding::{Solids, turn_outward};
 use crate::diag::{Anomaly, Diagnostic, Diagnostics};
 use crate::math::robust::try_normalize_f64;
 use crate::render::bend::{Bend, Form};
@@ -34,16 +35,6 @@ pub struct Objects<'a, 'm, 'i> {
     pub meshes: Vec<MeshData>,
     /// Emitting shapes, indexed as the objects say.
     pub lights: Vec<Light>,
-}
-
-/// Triangles that were written one by one, in world space, where they stand when the shutter opens.
-#[derive(Default)]
-struct Loose {
-    positions: Vec<DVec3>,
-    normals: Vec<Vec3>,
-    materials: Vec<u32>,
-    /// How all of them move.
-    motion: Option<Box<Motion>>,
 }
 
 impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
@@ -92,7 +83,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
         };
         let mut object = GeomObject::new(engine, material);
         object.visibility = visibility;
-        let emits = self.materials.materials[material as usize].emits_front;
+        let emits = self.materials.materials[material as usize].is_light();
         if emits && leaf.visibility.indirect {
             let first = self.lights.len();
             let lights = self.shape_lights(&object.shape, material);
@@ -168,8 +159,8 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
                 let mut data = mesh_data(mesh);
                 if key.1 {
                     let material = |slot: u32| materials.get(slot as usize).copied();
-                    let turned = turn_outward(&mut data, |slot| material(slot).is_some_and(is_solid));
-                    tell_turned(turned, mesh, leaf, diags);
+                    let found = turn_outward(&mut data, |slot| material(slot).is_some_and(is_solid));
+                    tell_solids(found, mesh, leaf, diags);
                 }
                 self.meshes.push(data);
                 let index = self.meshes.len() as u32 - 1;
@@ -192,7 +183,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
     ) {
         let object = self.objects.len() as u32;
         let first = self.lights.len();
-        let emitting = |m: &u32| self.materials.materials[*m as usize].emits_front;
+        let emitting = |m: &u32| self.materials.materials[*m as usize].is_light();
         // Nobody can aim at a face that changes its form: rays find it by chance.
         let bends = self.meshes[mesh as usize].bend.is_some();
         let lights = if !bends && materials.iter().any(emitting) && visibility & ray_mask::INDIRECT != 0 {
@@ -306,7 +297,7 @@ impl<'a, 'm, 'i> Objects<'a, 'm, 'i> {
 
 /// Whether what a light gives must be looked up where it is sampled: its texture, or how much of it is there.
 fn varies(m: &Material) -> bool {
-    m.emission.texture.is_some() || m.alpha != Alpha::Opaque
+    m.emission_varies() || m.alpha != Alpha::Opaque
 }
 
 fn bits(v: Visibility) -> u8 {
@@ -420,15 +411,23 @@ fn box_face(world: &DAffine3, min: DVec3, max: DVec3, face: u32) -> (DVec3, DVec
     if upper != mirrored { (p0, a, b) } else { (p0, b, a) }
 }
 
-/// Tells that faces of a solid looked inward; it is drawn as if they did not.
-fn tell_turned(turned: usize, mesh: &Mesh, leaf: &Leaf<'_>, diags: &mut Diagnostics) {
-    if turned > 0 {
-        let all = mesh.triangles.len();
+/// Tells that faces of a solid looked inward (it is drawn as if they did not), and of glass that encloses nothing.
+fn tell_solids(found: Solids, mesh: &Mesh, leaf: &Leaf<'_>, diags: &mut Diagnostics) {
+    let mut tell = |d: Diagnostic| diags.push(super::at_place(d, &leaf.object.place));
+    if found.turned > 0 {
+        let (turned, all, name) = (found.turned, mesh.triangles.len(), &mesh.name);
+        tell(Diagnostic::note(
+            "C0108",
+            format!("{turned} of {all} faces of \"{name}\" look into the solid; they are turned outward"),
+        ));
+    }
+    if found.open_edges > 0 {
         let message = format!(
-            "{turned} of {all} faces of \"{}\" look into the solid; they are turned outward",
-            mesh.name
+            "the glass of \"{}\" is not closed ({} open edges): what enters it need not leave it again",
+            mesh.name, found.open_edges
         );
-        diags.push(super::at_place(Diagnostic::note("C0108", message), &leaf.object.place));
+        let hint = "give it a wall on all sides, or draw it as a thin sheet (--glass thin for glTF)";
+        tell(Diagnostic::note("C0109", message).hint(hint));
     }
 }
 
@@ -455,44 +454,4 @@ fn bend_of(mesh: &Mesh) -> Option<Arc<Bend>> {
     let later = mesh.later.iter().map(|f| form(&f.positions, &f.normals));
     let forms = std::iter::once(form(&mesh.positions, &mesh.normals)).chain(later);
     Bend::new(forms.collect()).map(Arc::new)
-}
-
-impl Loose {
-    fn add(&mut self, world: &DAffine3, vertices: &[DVec3; 3], normals: Option<&[DVec3; 3]>, material: u32) {
-        let corners = vertices.map(|v| world.transform_point3(v));
-        let [a, b, c] = corners;
-        let flat = (b - a).cross(c - a);
-        // The world normal is on the side that the shape's own normal is mapped to.
-        let turned = world.matrix3.determinant() < 0.0;
-        if turned {
-            self.positions.extend([a, c, b]);
-        } else {
-            self.positions.extend([a, b, c]);
-        }
-        let face = if turned { -flat } else { flat };
-        let map = world.matrix3.inverse().transpose();
-        let mapped = |n: DVec3| try_normalize_f64(map * n).unwrap_or(face).as_vec3();
-        let flat = try_normalize_f64(face).unwrap_or(DVec3::ZERO).as_vec3();
-        match normals {
-            Some(&[n0, n1, n2]) if turned => self.normals.extend([n0, n2, n1].map(mapped)),
-            Some(n) => self.normals.extend(n.map(mapped)),
-            None => self.normals.extend([flat; 3]),
-        }
-        self.materials.push(material);
-    }
-
-    /// The mesh and its materials by slot.
-    fn into_mesh(self) -> (Mesh, Vec<u32>) {
-        let mut mesh = Mesh::from_f64("triangles", &self.positions, &[]).unwrap_or_default();
-        mesh.normals = self.normals;
-        let mut slots: Vec<u32> = self.materials.clone();
-        slots.sort();
-        slots.dedup();
-        for (i, material) in self.materials.iter().enumerate() {
-            let slot = slots.binary_search(material).unwrap_or(0) as u32;
-            let first = i as u32 * 3;
-            mesh.push_face([first, first + 1, first + 2], Some(slot));
-        }
-        (mesh, slots)
-    }
 }

@@ -20,22 +20,38 @@ struct Part {
     high: Vec3,
 }
 
+/// What was found of a mesh's solids.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Solids {
+    /// Faces that were turned.
+    pub turned: usize,
+    /// Edges of surfaces that enclose nothing; 0 if all are closed.
+    pub open_edges: usize,
+}
+
 /// Turns the faces of a mesh for which `is_solid` holds (given their slots), where they close a solid, so that they
-/// look outward. Returns how many were turned.
+/// look outward.
 ///
 /// Faces that are connected look the same way as the greater part of their area. If that is inward by the enclosed
 /// volume's sign, all are turned, unless they lie in the box of another such part: then they are the wall of a
 /// cavity. Up to one in a hundred edges may be open, since models have small flaws.
-pub fn turn_outward(mesh: &mut MeshData, is_solid: impl Fn(u32) -> bool) -> usize {
+pub fn turn_outward(mesh: &mut MeshData, is_solid: impl Fn(u32) -> bool) -> Solids {
     let slot = |face: usize| mesh.face_materials.get(face).copied().unwrap_or(0);
     let faces: Vec<u32> = (0..mesh.triangles.len() as u32)
         .filter(|f| is_solid(slot(*f as usize)))
         .collect();
-    let parts = parts(mesh, &faces);
-    let closed: Vec<&Part> = parts
+    let mut parts = parts(mesh, &faces, Weld::Exact);
+    let open = |parts: &[Part]| parts.iter().map(|p| p.open_edges).sum::<usize>();
+    if open(&parts) > 0 {
+        // Seams that were computed twice, as the two ends of a turned shape, differ by roundings.
+        let rounded = self::parts(mesh, &faces, Weld::Rounded);
+        if open(&rounded) < open(&parts) {
+            parts = rounded;
+        }
+    }
+    let (closed, others): (Vec<&Part>, Vec<&Part>) = parts
         .iter()
-        .filter(|p| p.is_orientable && p.open_edges * 200 <= p.faces.len() * 3)
-        .collect();
+        .partition(|p| p.is_orientable && p.open_edges * 200 <= p.faces.len() * 3);
     let mut turned = Vec::new();
     for (i, part) in closed.iter().enumerate() {
         let (mut kept, mut against, mut volume) = (0.0, 0.0, 0.0);
@@ -60,20 +76,42 @@ pub fn turn_outward(mesh: &mut MeshData, is_solid: impl Fn(u32) -> bool) -> usiz
     for face in &turned {
         mesh.triangles[*face as usize].swap(1, 2);
     }
-    turned.len()
+    Solids {
+        turned: turned.len(),
+        open_edges: others.iter().map(|p| p.open_edges).sum(),
+    }
 }
 
 fn corners(mesh: &MeshData, face: u32) -> [DVec3; 3] {
     mesh.triangles[face as usize].map(|v| mesh.positions[v as usize].as_dvec3())
 }
 
+/// Which vertices are the same. They are split where normals or coordinates differ: only the place counts.
+#[derive(Clone, Copy, PartialEq)]
+enum Weld {
+    /// Those at the same place to the bit.
+    Exact,
+    /// Those that are the same in a grid of 2²⁰ steps along the box of the mesh.
+    Rounded,
+}
+
 /// The connected parts of some faces.
-fn parts(mesh: &MeshData, faces: &[u32]) -> Vec<Part> {
-    // Vertices are split where normals or coordinates differ: only the place makes them the same.
+fn parts(mesh: &MeshData, faces: &[u32], how: Weld) -> Vec<Part> {
+    let (low, high) = mesh
+        .positions
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
+            (low.min(*p), high.max(*p))
+        });
+    let step = (high.as_dvec3() - low.as_dvec3()).max_element() / f64::from(1 << 20);
+    let key = |p: Vec3| match how {
+        Weld::Exact => (p + 0.0).to_array().map(f32::to_bits),
+        Weld::Rounded => (p.as_dvec3() / step).to_array().map(|v| v.round() as i64 as u32),
+    };
     let mut known: HashMap<[u32; 3], u32> = HashMap::new();
     let mut weld = |p: Vec3| {
         let next = known.len() as u32;
-        *known.entry((p + 0.0).to_array().map(f32::to_bits)).or_insert(next)
+        *known.entry(key(p)).or_insert(next)
     };
     let welded: Vec<[u32; 3]> = faces
         .iter()
@@ -183,18 +221,45 @@ mod tests {
         let mut outward = MeshData::default();
         cube(Vec3::ONE, 1.0, &mut outward);
         let before = outward.triangles.clone();
-        assert_eq!(turn_outward(&mut outward, |_| true), 0);
+        assert_eq!(turn_outward(&mut outward, |_| true), Solids::default());
         assert_eq!(outward.triangles, before);
         for (range, count) in [(0..12, 12), (0..4, 4), (3..12, 9)] {
             let mut mesh = outward.clone();
             turn(&mut mesh, range.clone());
-            assert_eq!(turn_outward(&mut mesh, |_| true), count, "{range:?}");
+            assert_eq!(turn_outward(&mut mesh, |_| true).turned, count, "{range:?}");
             assert_eq!(volume(&mesh, 0..12), 48.0);
         }
         let mut flipped = outward.clone();
         flipped.flip_winding = true;
-        assert_eq!(turn_outward(&mut flipped, |_| true), 12);
+        assert_eq!(turn_outward(&mut flipped, |_| true).turned, 12);
         assert_eq!(volume(&flipped, 0..12), 48.0);
+    }
+
+    /// The two ends of a turned shape: sin 2π is not 0, and the ring of each pole has as many places as columns.
+    #[test]
+    fn a_seam_that_misses_by_a_rounding_is_closed() {
+        let (columns, rows) = (24u32, 12u32);
+        let mut mesh = MeshData::default();
+        for j in 0..=rows {
+            for i in 0..=columns {
+                let turns = |k: u32, n: u32| f64::from(k) / f64::from(n) * std::f64::consts::TAU;
+                let ((s, c), (t, d)) = (turns(i, columns).sin_cos(), (turns(j, rows) * 0.5).sin_cos());
+                mesh.positions.push(DVec3::new(t * s, d, t * c).as_vec3());
+            }
+        }
+        for j in 0..rows {
+            for i in 0..columns {
+                let a = j * (columns + 1) + i;
+                let (b, c, d) = (a + 1, a + columns + 1, a + columns + 2);
+                mesh.triangles.extend((j > 0).then_some([a, c, b]));
+                mesh.triangles.extend((j + 1 < rows).then_some([b, c, d]));
+            }
+        }
+        let all = 0..mesh.triangles.len();
+        assert_eq!(turn_outward(&mut mesh, |_| true).turned, 0);
+        turn(&mut mesh, all.clone());
+        assert_eq!(turn_outward(&mut mesh, |_| true).turned, all.len());
+        assert!(volume(&mesh, all) > 0.0);
     }
 
     #[test]
@@ -204,7 +269,11 @@ mod tests {
         cube(Vec3::ZERO, 1.0, &mut mesh);
         cube(Vec3::X * 9.0, 1.0, &mut mesh);
         turn(&mut mesh, 12..36);
-        assert_eq!(turn_outward(&mut mesh, |_| true), 12, "only the one that stands apart");
+        assert_eq!(
+            turn_outward(&mut mesh, |_| true).turned,
+            12,
+            "only the one that stands apart"
+        );
         assert_eq!([volume(&mesh, 0..12), volume(&mesh, 12..24)], [384.0, -48.0]);
         assert!(volume(&mesh, 24..36) > 0.0);
     }
@@ -214,16 +283,20 @@ mod tests {
         let mut mesh = MeshData::default();
         cube(Vec3::ONE, 1.0, &mut mesh);
         turn(&mut mesh, 0..12);
-        assert_eq!(turn_outward(&mut mesh.clone(), |_| false), 0);
+        assert_eq!(turn_outward(&mut mesh.clone(), |_| false).turned, 0);
         mesh.face_materials = vec![0; 12];
         mesh.face_materials[0] = 1;
         assert_eq!(
-            turn_outward(&mut mesh.clone(), |slot| slot == 0),
+            turn_outward(&mut mesh.clone(), |slot| slot == 0).turned,
             0,
             "one face is missing"
         );
         mesh.triangles.pop();
-        assert_eq!(turn_outward(&mut mesh, |_| true), 0);
+        let open = Solids {
+            turned: 0,
+            open_edges: 3,
+        };
+        assert_eq!(turn_outward(&mut mesh, |_| true), open);
         // A band of six triangles with a half turn.
         let mut band = MeshData::default();
         let at = |i: u32| {
@@ -237,6 +310,6 @@ mod tests {
         };
         band.positions = (0..6).map(at).collect();
         band.triangles = vec![[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4], [4, 5, 1], [5, 0, 1]];
-        assert_eq!(turn_outward(&mut band, |_| true), 0);
+        assert_eq!(turn_outward(&mut band, |_| true).turned, 0);
     }
 }

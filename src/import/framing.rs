@@ -28,6 +28,9 @@ pub fn bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
 /// itself.
 pub fn emits(scene: &Scene) -> bool {
     let lights = |m: &crate::scene::Material| {
+        if m.unlit {
+            return false; // shows a colour, lights nothing
+        }
         let most = m.emission.factor.max_element();
         most > 1.0 || (most > 0.0 && m.emission.texture.is_none())
     };

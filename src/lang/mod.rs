@@ -50,6 +50,8 @@ pub struct ModelOptions {
     pub node: Option<String>,
     /// `node "name" local`: the node's own space is the model's.
     pub node_is_origin: bool,
+    /// `animation "name"`: the only one that is played.
+    pub animation: Option<String>,
     /// `clock T`: seconds at which its animations are shown; at rest without.
     pub clock: Option<f64>,
 }

@@ -3,137 +3,31 @@
 //! `compile` fills these from the description. A recipe with textures is evaluated at every hit; mixtures and the
 //! glTF set choose among models by random numbers, which is unbiased because scattering is linear in them.
 
+mod frame;
 mod input;
 mod models;
 mod normal;
+mod recipe;
 #[cfg(test)]
 mod tests;
 
 pub use input::{ColorInput, ScalarInput};
+pub use recipe::{Alpha, BumpMap, FinishInputs, NormalMap, PrincipledInputs, SurfaceModel};
 
 use super::bsdf::Bsdf;
 use super::bsdf::diffuse::{Diffuse, OrenNayar, Translucent};
 use super::bsdf::microfacet::Ggx;
+use super::bsdf::principled::Clearcoat;
 use super::bsdf::specular::Specular;
 use super::surface::Attributes;
 use super::technique::{FresnelModel, Technique};
 use super::texture::Textures;
 use super::wavelength::Wavelength;
-use crate::math::frame::Frame;
-use crate::math::portable::sin_cos_turns;
 use glam::Vec3;
 use models::{chance, dielectric_coat, is_rough_solid, roughness_to_alpha};
-use normal::{bumped_normal, mapped_normal, visible_normal};
-
-/// How coverage is used.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Alpha {
-    /// Always there.
-    Opaque,
-    /// Fully there where the value reaches the cutoff.
-    Mask(ScalarInput, f32),
-    /// There with this probability.
-    Blend(ScalarInput),
-}
-
-/// A tangent-space normal map, +y up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NormalMap {
-    /// Index of a data texture.
-    pub texture: u32,
-    /// Factor on x and y.
-    pub scale: f32,
-}
-
-/// A relief of an image's luminance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BumpMap {
-    /// Index of an image texture; others have no slopes.
-    pub texture: u32,
-    /// Height of white over black, in texels.
-    pub scale: f32,
-}
-
-/// The glTF set; see the fields of the same names in `scene`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)] // the names are glTF's
-pub struct PrincipledInputs {
-    pub base_color: ColorInput,
-    pub metallic: ScalarInput,
-    pub roughness: ScalarInput,
-    /// Infinite for F0 = 1 (glTF's 0).
-    pub ior: f32,
-    pub specular: ScalarInput,
-    pub specular_color: ColorInput,
-    pub transmission: ScalarInput,
-    pub thick: bool,
-    pub clearcoat: ScalarInput,
-    pub clearcoat_roughness: ScalarInput,
-    pub sheen_color: ColorInput,
-    pub sheen_roughness: ScalarInput,
-    pub anisotropy: ScalarInput,
-    /// Radians, counter-clockwise from the tangent.
-    pub anisotropy_rotation: f32,
-    pub diffuse_transmission: ScalarInput,
-    pub diffuse_transmission_color: ColorInput,
-}
-
-/// POV-Ray's pigment and finish, see the fields of the same names in `scene`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)] // the names are POV-Ray's
-pub struct FinishInputs {
-    pub color: ColorInput,
-    pub filter: f32,
-    pub transmit: f32,
-    pub diffuse: f32,
-    pub diffuse_back: f32,
-    pub brilliance: f32,
-    pub phong: f32,
-    pub phong_size: f32,
-    pub specular: f32,
-    /// POV-Ray's scale: exponent 1/roughness.
-    pub roughness: f32,
-    pub metallic: f32,
-    pub reflection_min: Vec3,
-    pub reflection_max: Vec3,
-    pub reflection_falloff: f32,
-    pub reflection_fresnel: bool,
-    pub reflection_metallic: f32,
-    pub conserve_energy: bool,
-    /// Bends what passes.
-    pub ior: Option<f32>,
-}
 
 /// Mixtures nested deeper than this are black; it only bounds the loop.
 const MIX_DEPTH: u32 = 16;
-
-/// How a surface scatters.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs)] // the fields are those of `scene`'s variants
-pub enum SurfaceModel {
-    /// Scatters nothing.
-    Black,
-    /// Lambert, or Oren–Nayar where σ (radians) is not 0.
-    Diffuse { color: ColorInput, sigma: ScalarInput },
-    /// A perfect mirror.
-    Specular { color: ColorInput },
-    /// A dielectric solid of [`Material::ior`]; roughness is perceptual.
-    Glass { color: ColorInput, roughness: ScalarInput },
-    /// A coat of [`Material::ior`] over a diffuse base, or a conductor.
-    Glossy {
-        color: ColorInput,
-        roughness: ScalarInput,
-        metal: bool,
-    },
-    /// A thin sheet.
-    Translucent { color: ColorInput, transmit: ScalarInput },
-    /// The glTF set.
-    Principled(Box<PrincipledInputs>),
-    /// POV-Ray's pigment and finish.
-    Finish(Box<FinishInputs>),
-    /// (1 − weight)·a + weight·b, by indices; must not lead back to itself.
-    Mix { a: u32, b: u32, weight: ScalarInput },
-}
 
 /// Which approximations scattering uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -166,6 +60,8 @@ pub struct Material {
     pub emits_front: bool,
     /// Whether the other side emits.
     pub emits_back: bool,
+    /// Seen by the camera and in mirrors only: all other light passes it by.
+    pub unlit: bool,
     /// Coverage.
     pub alpha: Alpha,
     /// Perturbs the shading normal.
@@ -208,6 +104,7 @@ impl Material {
             emission: ColorInput::BLACK,
             emits_front: true,
             emits_back: true,
+            unlit: false,
             alpha: Alpha::Opaque,
             normal_map: None,
             bump_map: None,
@@ -222,6 +119,17 @@ impl Material {
     /// Whether it emits at all.
     pub fn is_emissive(&self) -> bool {
         !self.emission.is_black() && (self.emits_front || self.emits_back)
+    }
+
+    /// Whether other surfaces get light from it.
+    pub fn is_light(&self) -> bool {
+        self.emits_front && !self.unlit
+    }
+
+    /// Whether its emission differs from point to point or by direction.
+    pub fn emission_varies(&self) -> bool {
+        let is_coated = matches!(&self.surface, SurfaceModel::Principled(p) if !p.clearcoat.is_nothing());
+        self.emission.texture.is_some() || is_coated
     }
 
     /// Whether [`Material::straight_transmittance`] can be anything but zero; false spares shadow rays the look-up.
@@ -336,10 +244,18 @@ impl Material {
         self.ior_at(cx.wavelength) / cx.outer_ior
     }
 
-    /// Emitted radiance at a point, seen from the front or the back.
-    pub fn emission(&self, cx: &Shading<'_>, front: bool) -> Vec3 {
+    /// Emitted radiance at a point, seen from the front or the back under this cosine to the normal. A coat lets through what
+    /// it does not reflect.
+    pub fn emission(&self, cx: &Shading<'_>, front: bool, cos: f32) -> Vec3 {
         if if front { self.emits_front } else { self.emits_back } {
-            self.emission.eval(cx.textures, cx.attrs)
+            let below = self.emission.eval(cx.textures, cx.attrs);
+            match &self.surface {
+                SurfaceModel::Principled(p) if !p.clearcoat.is_nothing() => {
+                    let strength = p.clearcoat.unit(cx);
+                    below * (1.0 - Clearcoat::new(strength, None).reflectance(cos))
+                }
+                _ => below,
+            }
         } else {
             Vec3::ZERO
         }
@@ -406,46 +322,6 @@ impl Material {
             | SurfaceModel::Specular { .. }
             | SurfaceModel::Glossy { .. }
             | SurfaceModel::Translucent { .. } => Vec3::ZERO,
-        }
-    }
-
-    /// The shading frame at a point: its z axis is the shading normal on the side of `ng`, its x axis the direction of
-    /// anisotropy if there is one.
-    ///
-    /// `ng` and `ns` are the surface's geometric and interpolated normals, on one side; `wo` points to the viewer, on
-    /// either side. The normal is bent such that `wo` and its mirror direction lie on the viewer's side of the surface.
-    pub fn shading_frame(&self, cx: &Shading<'_>, ng: Vec3, ns: Vec3, wo: Vec3) -> Frame {
-        let mut n = ns;
-        if let Some(map) = &self.normal_map {
-            n = mapped_normal(map, cx, ns).unwrap_or(ns);
-        }
-        if let Some(map) = &self.bump_map {
-            // Which side of a sheet is its front is often chance, so it is raised towards the viewer, as in POV-Ray;
-            // a solid has one shape, from inside too.
-            let is_behind = ng.dot(wo) < 0.0 && !self.interior;
-            let scale = if is_behind { -map.scale } else { map.scale };
-            n = bumped_normal(&BumpMap { scale, ..*map }, cx, n).unwrap_or(n);
-        }
-        if n != ng {
-            n = if ng.dot(wo) < 0.0 {
-                -visible_normal(-ng, -n, wo)
-            } else {
-                visible_normal(ng, n, wo)
-            };
-        }
-        match &self.surface {
-            SurfaceModel::Principled(p) if !p.anisotropy.is_nothing() && p.anisotropy.unit(cx) > 0.0 => {
-                let frame = Frame::from_normal_and_tangent(n, cx.attrs.tangent);
-                let turns = p.anisotropy_rotation / std::f32::consts::TAU;
-                let (s, c) = sin_cos_turns(turns - turns.floor());
-                let bitangent = if frame.b.dot(cx.attrs.bitangent) < 0.0 {
-                    -frame.b
-                } else {
-                    frame.b
-                };
-                Frame::from_normal_and_tangent(n, frame.t * c + bitangent * s)
-            }
-            _ => Frame::from_normal(n),
         }
     }
 }

@@ -46,6 +46,9 @@ pub(super) fn material_text(m: &Material) -> String {
     if m.emission_sides != EmissionSides::ByShape {
         let _ = write!(text, " sides {:?}", m.emission_sides);
     }
+    if m.unlit {
+        text.push_str(" unlit");
+    }
     if m.opacity.mode != OpacityMode::Opaque {
         let _ = write!(text, " opacity {:?} {}", m.opacity.mode, scalar(&m.opacity.alpha));
     }

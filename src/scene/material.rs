@@ -357,7 +357,7 @@ pub enum SurfaceModel {
         /// Share of the second, [0, 1].
         weight: ScalarInput,
     },
-    /// Emits and absorbs, scatters nothing (glTF unlit, `diffuse 0`).
+    /// Emits and absorbs, scatters nothing (lamps, glTF unlit, `diffuse 0`).
     Black,
 }
 
@@ -372,6 +372,9 @@ pub struct Material {
     pub emission: ColorInput,
     /// Sides that emit.
     pub emission_sides: EmissionSides,
+    /// Seen by the camera and in mirrors and clear glass only: all other light passes as if nothing were there, and none
+    /// comes from it (glTF's unlit surfaces, which show a colour whatever the light).
+    pub unlit: bool,
     /// Coverage.
     pub opacity: Opacity,
     /// Perturbs the shading normal.
@@ -392,6 +395,7 @@ impl Material {
             surface,
             emission: DVec3::ZERO.into(),
             emission_sides: EmissionSides::ByShape,
+            unlit: false,
             opacity: Opacity::default(),
             normal_map: None,
             bump_map: None,

@@ -51,6 +51,33 @@ fn mover(way: &str) -> Model {
 }
 
 #[test]
+fn one_animation_is_chosen_by_its_name() {
+    let mut m = mover("LINEAR");
+    m.animate(
+        0,
+        "translation",
+        "LINEAR",
+        &[0.0, 1.0],
+        "VEC3",
+        &[0.0, 0.0, 5.0, 0.0, 0.0, 9.0],
+    );
+    for (i, name) in ["Walk", "Run"].into_iter().enumerate() {
+        m.json["animations"][i]["name"] = json!(name);
+    }
+    let named = |animation: &str, clock: Option<f64>| GltfOptions {
+        animation: Some(animation.to_owned()),
+        ..at(clock, 0.0)
+    };
+    let place = |options: &GltfOptions| read(&m, options).objects[0].transform.translation;
+    assert_eq!(place(&named("Walk", Some(1.0))), DVec3::X);
+    assert_eq!(place(&named("Run", Some(1.0))), DVec3::Z * 9.0);
+    assert_eq!(place(&named("Run", None)), DVec3::Z * 5.0);
+    let (scene, diags) = m.try_load(&named("Fly", None));
+    assert!(scene.is_none());
+    assert_eq!(codes(&diags), ["G0903"]);
+}
+
+#[test]
 fn without_clock_and_shutter_everything_stands_as_written() {
     let scene = read(&mover("LINEAR"), &at(None, 0.0));
     assert_eq!(scene.objects[0].transform.translation, DVec3::X * 7.0);

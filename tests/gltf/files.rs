@@ -222,3 +222,142 @@ fn glass_is_solid_or_thin_if_the_caller_says_so() {
     };
     assert!(!principled(&opaque.try_load(&options).0.expect("it loads")).thick);
 }
+
+#[test]
+fn the_first_bytes_decide_what_a_file_is_and_spare_chunks_are_skipped() {
+    let m = Model::triangle();
+    for (name, bytes) in [("text.glb", m.text()), ("binary.gltf", m.glb())] {
+        let mut files = MemoryFiles::default();
+        files.insert(name, bytes);
+        let (scene, diags) = load_from(&files, name, &GltfOptions::default());
+        assert!(scene.is_some() && diags.is_empty(), "{name}: {diags:?}");
+    }
+    // A second binary chunk and one of a kind that nobody knows.
+    let mut glb = m.glb();
+    for kind in [0x004E_4942u32, 0x5858_5858] {
+        glb.extend(4u32.to_le_bytes());
+        glb.extend(kind.to_le_bytes());
+        glb.extend([0xFF; 4]);
+    }
+    let length = glb.len() as u32;
+    glb[8..12].copy_from_slice(&length.to_le_bytes());
+    let mut files = MemoryFiles::default();
+    files.insert("m.glb", glb.clone());
+    let (scene, diags) = load_from(&files, "m.glb", &GltfOptions::default());
+    assert!(diags.is_empty(), "{diags:?}");
+    assert_eq!(positions(&scene.unwrap().meshes[0])[1], [2.0, 0.0, 0.0]);
+    // Bytes behind the end cost a warning.
+    glb.extend(b"trailing");
+    files.insert("m.glb", glb);
+    let (scene, diags) = load_from(&files, "m.glb", &GltfOptions::default());
+    assert_eq!((scene.is_some(), codes(&diags)), (true, vec!["G0102"]));
+}
+
+#[test]
+fn a_glb_may_keep_its_buffer_in_another_file() {
+    let mut m = Model::triangle();
+    let data = std::mem::take(&mut m.bin);
+    m.json["buffers"] = json!([{"byteLength": data.len(), "uri": "b.bin"}]);
+    let mut text = serde_json::to_vec(&m.json).unwrap();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut glb = b"glTF".to_vec();
+    for word in [2, 20 + text.len(), text.len(), 0x4E4F_534A] {
+        glb.extend((word as u32).to_le_bytes());
+    }
+    glb.extend(text);
+    let mut files = MemoryFiles::default();
+    files.insert("m.glb", glb);
+    files.insert("b.bin", data);
+    let (scene, diags) = load_from(&files, "m.glb", &GltfOptions::default());
+    assert!(scene.is_some() && diags.is_empty(), "{diags:?}");
+}
+
+#[test]
+fn a_buffer_that_many_name_is_read_once() {
+    let (mut files, data) = in_folder("b.bin");
+    let mut m = Model::triangle();
+    let length = data.len();
+    m.json["buffers"] = json!(vec![json!({"byteLength": length, "uri": "b.bin"}); 3]);
+    m.json["bufferViews"] = (0..3).map(|b| json!({"buffer": b, "byteLength": length})).collect();
+    m.json["accessors"] = (0..3)
+        .map(|v| json!({"bufferView": v, "componentType": F32, "count": 3, "type": "VEC3"}))
+        .collect();
+    m.json["meshes"][0]["primitives"] = (0..3).map(|a| json!({"attributes": {"POSITION": a}})).collect();
+    files.insert("models/a.gltf", m.text());
+    files.insert("models/b.bin", data);
+    let (scene, _) = load_from(&files, "models/a.gltf", &GltfOptions::default());
+    assert_eq!(scene.unwrap().meshes[0].triangles.len(), 3);
+    assert_eq!(files.opened().len(), 2);
+}
+
+#[test]
+fn old_files_are_told_apart_by_their_form_also_without_a_version() {
+    for json in [
+        json!({"asset": {"version": "1.0"}, "meshes": {}}),
+        json!({"meshes": {"mesh_1": {"primitives": []}}}),
+    ] {
+        let mut files = MemoryFiles::default();
+        files.insert("m.gltf", json.to_string().into_bytes());
+        let (_, diags) = load_from(&files, "m.gltf", &GltfOptions::default());
+        assert_eq!(codes(&diags), ["G0201"]);
+        assert!(diags.iter().next().unwrap().message.contains("1.0"));
+    }
+    let mut m = Model::triangle();
+    m.json["asset"].take();
+    assert_eq!(m.codes(), ["G0201"]);
+    m.load();
+}
+
+#[test]
+fn file_uris_name_files_of_the_models_folder() {
+    for uri in ["file:b.bin", "file://b.bin", "FILE:./b.bin"] {
+        let (mut files, data) = in_folder(uri);
+        files.insert("models/b.bin", data);
+        let (scene, diags) = load_from(&files, "models/a.gltf", &GltfOptions::default());
+        assert!(scene.is_some() && diags.is_empty(), "{uri}: {diags:?}");
+    }
+}
+
+#[test]
+fn scenes_without_anything_to_draw_say_so() {
+    for scenes in [json!([{}]), json!([{"nodes": []}]), json!([{"nodes": [1]}])] {
+        let mut m = Model::triangle();
+        m.json["scenes"] = scenes;
+        m.push("nodes", json!({"name": "empty"}));
+        assert_eq!(m.codes(), ["G0501"]);
+        assert!(m.load().objects.is_empty());
+    }
+}
+
+/// The flag of the command line, with a file of each kind.
+#[test]
+fn the_command_line_lets_a_model_read_outside_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let (inner, model) = (folder.path().join("models"), folder.path().join("models/a.gltf"));
+    let (_, data) = in_folder("../b.bin");
+    let mut m = Model::triangle();
+    m.json["buffers"] = json!([{"byteLength": data.len(), "uri": "../b.bin"}]);
+    std::fs::create_dir(&inner).unwrap();
+    std::fs::write(&model, m.text()).unwrap();
+    std::fs::write(folder.path().join("b.bin"), data).unwrap();
+    let text = folder.path().join("scene.pts");
+    std::fs::write(
+        &text,
+        "camera { location -5*z look_at 0 }\ngltf { \"models/a.gltf\" }\n",
+    )
+    .unwrap();
+    for scene in [&model, &text] {
+        let run = |flags: &[&str]| {
+            let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_pts"));
+            let output = command.arg("check").args(flags).arg(scene).output().unwrap();
+            (
+                output.status.code(),
+                String::from_utf8_lossy(&output.stderr).into_owned(),
+            )
+        };
+        let (code, told) = run(&[]);
+        assert!(code == Some(1) && told.contains("--allow-outside"), "{code:?}: {told}");
+        let (code, told) = run(&["--allow-outside"]);
+        assert_eq!(code, Some(0), "{told}");
+    }
+}

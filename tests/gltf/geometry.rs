@@ -420,3 +420,117 @@ fn a_mirroring_skeleton_keeps_the_outside_outside() {
         "the geometric normal follows the shading normal"
     );
 }
+
+#[test]
+fn primitive_restart_values_begin_a_new_strip_with_a_warning() {
+    let square = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
+    for (mode, order, faces) in [
+        (5, &[0u16, 1, 2, 65535, 1, 3, 2][..], 2),
+        (4, &[0, 1, 2, 65535, 2, 1, 3], 2),
+    ] {
+        let mut m = Model::new();
+        let (p, i) = (m.floats("VEC3", &square), m.indices(order));
+        m.push(
+            "meshes",
+            json!({"primitives": [{"attributes": {"POSITION": p}, "indices": i, "mode": mode}]}),
+        );
+        assert_eq!(m.codes(), ["G0617"], "mode {mode}");
+        let scene = m.load();
+        assert_eq!(scene.meshes[0].triangles.len(), faces, "mode {mode}");
+    }
+}
+
+#[test]
+fn strips_and_fans_leave_out_triangles_without_area() {
+    let square = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
+    for (mode, order) in [(5, &[0u16, 1, 2, 2, 2, 3, 1][..]), (6, &[0, 1, 1, 3, 2, 2])] {
+        let mut m = Model::new();
+        let (p, i) = (m.floats("VEC3", &square), m.indices(order));
+        m.push(
+            "meshes",
+            json!({"primitives": [{"attributes": {"POSITION": p}, "indices": i, "mode": mode}]}),
+        );
+        let mesh = &m.load().meshes[0];
+        assert_eq!(mesh.triangles.len(), 2, "mode {mode}: {:?}", mesh.triangles);
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+            assert!((b - a).cross(c - a).z != 0.0);
+        }
+    }
+}
+
+#[test]
+fn vertex_colours_of_every_type_are_fractions() {
+    let half16 = 32768.0 / 65535.0;
+    for (kind, component, bytes, wanted) in [
+        ("VEC3", U8, [0u8, 51, 255].repeat(3), [0.0, 0.2, 1.0, 1.0]),
+        ("VEC4", U8, [0u8, 51, 255, 102].repeat(3), [0.0, 0.2, 1.0, 0.4]),
+        (
+            "VEC3",
+            U16,
+            [0u16, 32768, 65535]
+                .repeat(3)
+                .iter()
+                .flat_map(|v| v.to_le_bytes())
+                .collect(),
+            [0.0, half16, 1.0, 1.0],
+        ),
+        (
+            "VEC4",
+            F32,
+            [0.5f32, 2.0, 0.0, 0.25]
+                .repeat(3)
+                .iter()
+                .flat_map(|v| v.to_le_bytes())
+                .collect(),
+            [0.5, 2.0, 0.0, 0.25],
+        ),
+    ] {
+        for normalized in [true, false] {
+            let mut m = Model::triangle();
+            let width = if kind == "VEC3" { 3 } else { 4 };
+            let size = bytes.len() / 3;
+            assert_eq!(size % width, 0);
+            let color = m.bytes(kind, component, 3, &bytes);
+            m.json["accessors"][color]["normalized"] = json!(normalized && component != F32);
+            m.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(color);
+            let found = m.load().meshes[0].colors[1].to_array();
+            assert!(
+                found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6),
+                "{kind} {component}: {found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn instances_may_be_quantised() {
+    let mut m = Model::triangle();
+    // A quarter turn about y: (0, √½, 0, √½), as bytes and as 16-bit numbers.
+    let bytes = m.bytes("VEC4", 5120, 1, &[0, 90, 0, 90]);
+    let words: Vec<u8> = [0i16, 23170, 0, 23170].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let words = m.bytes("VEC4", I16, 1, &words);
+    let far = m.bytes("VEC3", 5120, 1, &[10, 0, 0x80, 0]);
+    for rotation in [bytes, words] {
+        m.json["accessors"][rotation]["normalized"] = json!(true);
+        let attributes = json!({"ROTATION": rotation, "TRANSLATION": far});
+        m.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": attributes}});
+        let place = m.load().objects[0].transform.transform_point3(glam::DVec3::X);
+        assert!((place - glam::DVec3::new(10.0, 0.0, -129.0)).length() < 1e-6, "{place}");
+    }
+}
+
+#[test]
+fn mirrored_and_sheared_nodes_keep_their_matrix() {
+    let shear = [
+        1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 3.0, 0.0, 0.0, 1.0,
+    ];
+    let mut m = Model::triangle();
+    m.json["nodes"][0]["matrix"] = json!(shear);
+    let placed = m.load().objects[0].transform;
+    assert_eq!(
+        placed.transform_point3(glam::DVec3::new(1.0, 2.0, 4.0)).to_array(),
+        [5.0, 2.0, -4.0]
+    );
+    assert!(placed.matrix3.determinant() < 0.0);
+}

@@ -290,7 +290,7 @@ pub(super) fn filled<'s>(m: &'s Material, parts: &[&'s Material]) -> Vec<&'s Med
 fn lets_in(surface: &SurfaceModel) -> bool {
     match surface {
         SurfaceModel::Glass { .. } => true,
-        SurfaceModel::Principled(p) => p.thick && p.transmission.most() > 0.0,
+        SurfaceModel::Principled(p) => p.thick && (p.transmission.most() > 0.0 || p.diffuse_transmission.most() > 0.0),
         SurfaceModel::Finish(f) => passes(f),
         SurfaceModel::Black
         | SurfaceModel::Diffuse { .. }

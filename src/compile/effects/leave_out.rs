@@ -98,6 +98,7 @@ fn no_mirrors(material: &mut Material) {
             p.metallic = 0.0.into();
             p.base_color = ColorInput::constant(DVec3::ZERO);
             p.specular = 0.0.into();
+            p.iridescence = 0.0.into();
         }
         _ => {}
     }
@@ -108,7 +109,9 @@ fn no_refraction(material: &mut Material) {
     no_dispersion(material);
     match &mut material.surface {
         SurfaceModel::Glass { ior, roughness, .. } => (*ior, *roughness) = (1.0, 0.0.into()),
-        SurfaceModel::Principled(p) if p.transmission.most() > 0.0 => (p.ior, p.roughness) = (1.0, 0.0.into()),
+        SurfaceModel::Principled(p) if p.transmission.most() > 0.0 => {
+            (p.ior, p.roughness, p.iridescence) = (1.0, 0.0.into(), 0.0.into());
+        }
         SurfaceModel::Finish(f) => f.ior = None,
         _ => {}
     }
@@ -133,6 +136,7 @@ fn no_highlights(material: &mut Material) {
             p.sheen_color = DVec3::ZERO.into();
             if has_coat(p) {
                 p.specular = 0.0.into();
+                p.iridescence = 0.0.into();
             }
             if p.metallic.most() > 0.0 {
                 p.roughness = 0.0.into();
@@ -159,5 +163,6 @@ pub(super) fn passes(f: &Finish) -> bool {
 
 /// Whether a principled surface is a dielectric with a coat over a base.
 pub(super) fn has_coat(p: &Principled) -> bool {
-    p.specular.most() > 0.0 && p.ior != 1.0 && p.transmission.least() < 1.0 && p.metallic.least() < 1.0
+    let reflects = (p.specular.most() > 0.0 && p.ior != 1.0) || p.iridescence.most() > 0.0;
+    reflects && p.transmission.least() < 1.0 && p.metallic.least() < 1.0
 }

@@ -31,7 +31,7 @@ impl Receivers {
             times: 1,
         };
         // A mixture shines as a whole.
-        if m.emission.factor.max_element() > 0.0 && object.visibility.indirect {
+        if m.emission.factor.max_element() > 0.0 && object.visibility.indirect && !m.unlit {
             self.lights.push(cause("emits"));
         }
         for part in parts {

@@ -178,6 +178,9 @@ impl Folder<'_, '_, '_> {
 
     fn scalar(&mut self, input: &mut ScalarInput) {
         let Some((texture, channel)) = input.texture else {
+            if input.offset != 0.0 {
+                *input = f64::from(input.offset as f32 + input.factor as f32).into();
+            }
             return;
         };
         if input.factor == 0.0 {

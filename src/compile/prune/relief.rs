@@ -4,7 +4,7 @@
 
 use super::fold::Facts;
 use super::{Notes, Pass, Pruned};
-use crate::scene::{Material, NormalMap, Texture, TextureId};
+use crate::scene::{Material, NormalMap, SurfaceModel, Texture, TextureId};
 
 /// Takes flat maps off all materials.
 pub fn pass(pruned: &mut Pruned<'_>) {
@@ -17,6 +17,13 @@ fn flatten(facts: &Facts<'_>, material: &mut Material, notes: &mut Notes) {
     {
         material.normal_map = None;
         tell(facts, map.texture, "normal map", why, notes);
+    }
+    if let SurfaceModel::Principled(p) = &mut material.surface
+        && let Some(map) = p.clearcoat_normal
+        && let Some(why) = idle(map.scale, || is_flat(facts, &map))
+    {
+        p.clearcoat_normal = None;
+        tell(facts, map.texture, "normal map of the coat", why, notes);
     }
     if let Some(map) = material.bump_map
         && let Some(why) = idle(map.scale, || facts.known(map.texture)[..3].iter().all(Option::is_some))

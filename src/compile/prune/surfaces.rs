@@ -56,9 +56,10 @@ fn sole_part<'a>(scene: &'a Scene, material: &Material) -> Option<(&'a Material,
         return None;
     };
     let part = scene.materials.get(id.index())?;
-    // A mix has no direction of anisotropy of its own, and gives none to its parts.
-    let is_turned = matches!(&part.surface, SurfaceModel::Principled(p) if !is_nothing(&p.anisotropy));
-    let why = format!("a mix by {} is its {which} part alone", weight.factor);
+    // A mix has neither a direction of anisotropy nor a coat of its own, which dims what it emits and has another normal.
+    let is_turned = matches!(&part.surface, SurfaceModel::Principled(p)
+        if !is_nothing(&p.anisotropy) || !is_nothing(&p.clearcoat));
+    let why = format!("a mix by {} is its {which} part alone", weight.most());
     (!is_turned && part.surface != material.surface).then_some((part, why))
 }
 
@@ -103,7 +104,7 @@ fn principled(p: &mut Principled) {
         p.diffuse_transmission = 0.0.into();
     }
     if is_nothing(&p.transmission) {
-        p.thick = false;
+        p.thick &= !is_nothing(&p.diffuse_transmission);
         p.dispersion = 0.0;
     }
     if is_nothing(&p.specular) {
@@ -112,9 +113,8 @@ fn principled(p: &mut Principled) {
     if is_nothing(&p.diffuse_transmission) {
         p.diffuse_transmission_color = DVec3::ONE.into();
     }
-    // Normal maps of coats are not simulated.
-    p.clearcoat_normal = None;
     if is_nothing(&p.clearcoat) {
+        p.clearcoat_normal = None;
         p.clearcoat_roughness = 0.0.into();
     }
     if is_black(&p.sheen_color) {

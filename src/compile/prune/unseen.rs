@@ -156,6 +156,7 @@ fn is_clear_solid(p: &Principled) -> bool {
         && is_at_least(&p.transmission, 1.0)
         && is_nothing(&p.metallic)
         && is_nothing(&p.clearcoat)
+        && is_nothing(&p.iridescence)
         && is_black(&p.sheen_color)
         && is_white(&p.base_color)
 }

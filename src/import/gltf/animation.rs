@@ -6,6 +6,7 @@
 use super::accessor::{Numbers, Wanted};
 use super::document::index_of;
 use super::mesh::VEC3;
+use super::variant::known;
 use super::{Loader, Report};
 use glam::{DAffine3, DQuat, DVec3, DVec4};
 use serde_json::Value;
@@ -68,7 +69,19 @@ impl Loader<'_> {
     /// The channels that are played. What is broken in them is told.
     pub(super) fn tracks(&mut self) -> Tracks {
         let mut tracks = Tracks::default();
-        for index in 0..self.doc.len("animations") {
+        let count = self.doc.len("animations");
+        let mut played = 0..count;
+        if let Some(wanted) = self.options.animation.as_deref() {
+            let names: Vec<String> = (0..count).map(|i| self.doc.name("animations", i)).collect();
+            let Some(index) = names.iter().position(|n| n == wanted) else {
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                let d = crate::diag::Diagnostic::error("G0903", format!("there is no animation \"{wanted}\""));
+                self.report.push("", d.hint(known("animations", &names)));
+                return tracks;
+            };
+            played = index..index + 1;
+        }
+        for index in played {
             let at = format!("animations[{index}]");
             let Some(animation) = self.doc.raw("animations", index, &at, &mut self.report) else {
                 continue;

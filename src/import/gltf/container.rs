@@ -67,6 +67,10 @@ fn split_glb(data: Arc<[u8]>, report: &mut Report) -> Option<Container> {
     }
     let (mut json, mut binary, mut at) = (None, None, 12usize);
     while let (Some(size), Some(kind)) = (word(at), word(at + 4)) {
+        // What lies behind the length of the header is no chunk, if there is something before.
+        if at >= length as usize && json.is_some() {
+            break;
+        }
         let (start, end) = (at + 8, (at + 8).saturating_add(size as usize));
         if end > data.len() {
             let left = data.len() - start;

@@ -8,6 +8,9 @@ use serde_json::Value;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
+/// Most elements of a table that are told; nobody reads more.
+const MOST_TOLD: usize = 10_000;
+
 impl Loader<'_> {
     /// Lists scenes, meshes, materials, images and buffers that nothing has asked for.
     pub(super) fn tell_left_out(&mut self) {
@@ -34,7 +37,8 @@ impl Loader<'_> {
                 .top(table)
                 .and_then(Value::as_array)
                 .map_or(&[][..], Vec::as_slice);
-            for (index, element) in elements.iter().enumerate().filter(|(i, _)| !used(table, *i)) {
+            let unused = elements.iter().enumerate().filter(|(i, _)| !used(table, *i));
+            for (index, element) in unused.take(MOST_TOLD) {
                 // The chunk of a GLB is part of a file that had to be read.
                 if table == "buffers" && element.get("uri").is_none() {
                     continue;

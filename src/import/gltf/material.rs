@@ -78,6 +78,7 @@ impl Loader<'_> {
             // The colour is what the camera should see, from either side.
             material.emission = color_input(base.factor.truncate(), base.texture);
             material.emission_sides = EmissionSides::Both;
+            material.unlit = true;
             return Some(self.scene.add_material(material));
         }
         material.emission = self.emission_of(raw, &at);

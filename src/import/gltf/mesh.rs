@@ -196,15 +196,31 @@ impl Loader<'_> {
             Some(accessor) => self.integers(accessor.value(), &[1], &place)?,
             None => (0..u32::try_from(vertices).ok()?).collect(),
         };
-        if let Some((i, bad)) = corners.iter().enumerate().find(|(_, c)| **c as usize >= vertices) {
+        let restart = self.restart_value(primitive);
+        let is_restart = |corner: &u32| Some(*corner) == restart && *corner as usize >= vertices;
+        let is_bad = |corner: &u32| *corner as usize >= vertices && !is_restart(corner);
+        if let Some((i, bad)) = corners.iter().enumerate().find(|(_, c)| is_bad(c)) {
             let message = format!("index {i} is {bad}, but POSITION has {vertices} elements");
             let d = Diagnostic::error("G0605", message);
             self.report
                 .push(&place, d.hint("the file is damaged: copy or export it again"));
             return None;
         }
-        let count = corners.len();
-        let (faces, rest) = triangles::assemble(mode, corners);
+        let (count, restarts) = (corners.len(), corners.iter().filter(|c| is_restart(c)).count());
+        let (faces, rest) = if restarts == 0 {
+            triangles::assemble(mode, corners)
+        } else {
+            let message =
+                format!("has {restarts} primitive restart values, which glTF forbids; a new strip begins there");
+            self.report.warning("G0617", &place, message);
+            let runs = corners
+                .split(is_restart)
+                .map(|run| triangles::assemble(mode, run.to_vec()));
+            runs.fold((Vec::new(), 0), |(mut all, rest), (faces, left)| {
+                all.extend(faces);
+                (all, rest + left)
+            })
+        };
         if rest > 0 || faces.is_empty() {
             let message = format!("{count} corners make {} triangles; {rest} are left over", faces.len());
             self.report.warning("G0606", at, message);
@@ -217,6 +233,17 @@ impl Loader<'_> {
             return None;
         }
         (!faces.is_empty()).then_some(faces)
+    }
+
+    /// The largest number of the indices' type, which begins a new strip in graphics libraries.
+    fn restart_value(&self, primitive: &Primitive) -> Option<u32> {
+        let accessor = self.doc.top("accessors")?.get(primitive.indices?.value())?;
+        match accessor.get("componentType")?.as_u64()? {
+            5121 => Some(u8::MAX.into()),
+            5123 => Some(u16::MAX.into()),
+            5125 => Some(u32::MAX),
+            _ => None,
+        }
     }
 
     /// Most triangles that the file may have, by the bytes read so far.
@@ -279,7 +306,8 @@ impl Loader<'_> {
         };
         let coat = p.clearcoat_normal.and_then(|n| image(n.texture));
         let turned = (p.anisotropy.factor != 0.0).then_some((0, DAffine2::IDENTITY));
-        own.or(coat).or(turned)
+        let direction = p.anisotropy_direction.and_then(image);
+        own.or(coat).or(direction).or(turned)
     }
 
     /// Warns of images that the primitive has no coordinates for.

@@ -80,6 +80,9 @@ pub struct GltfOptions {
     /// Seconds at which the file's animations are shown; without it everything stands as it is written, unless the
     /// shutter is open for a while (from 0 on then).
     pub clock: Option<f64>,
+    /// Name of the only animation that is played, from second 0 on without a clock; `None` plays all that do not
+    /// contradict an earlier one, if there is a clock.
+    pub animation: Option<String>,
     /// How long the shutter is open, in seconds ≥ 0: what the animations move meanwhile is given a motion.
     pub shutter: f64,
     /// Whether buffers and images outside the model's folder may be read.

@@ -39,7 +39,8 @@ impl Loader<'_> {
         let Some(roots) = self.scene_roots() else {
             return;
         };
-        let played = self.options.clock.is_some() || self.options.shutter > 0.0;
+        let options = self.options;
+        let played = options.clock.is_some() || options.animation.is_some() || options.shutter > 0.0;
         let tracks = if played { self.tracks() } else { Tracks::default() };
         let mut placed = self.place_nodes(roots, &tracks);
         let Some(origin) = self.keep_subtree(&mut placed) else {

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 /// Faces of a chunk: fixed, so that the result does not depend on the machine.
-const CHUNK: usize = 1 << 14;
+const CHUNK: usize = 1 << 15;
 
 /// Gives the part tangents along the u of its coordinate set `uv_set`, as `transform` places it on the normal map.
 /// Needs finite positions. Without normals the faces are flat and get vertices of their own; vertices
@@ -38,7 +38,7 @@ fn corner_tangents(part: &Part, uvs: &[Vec2], chunk: usize) -> Vec<[Vec4; 3]> {
     }
     let surroundings = Surroundings::new(part, uvs);
     let ranges: Vec<Range<usize>> = (0..faces).step_by(chunk).map(|f| f..(f + chunk).min(faces)).collect();
-    let halos: Vec<Vec<u32>> = ranges.iter().map(|r| surroundings.halo(part, r)).collect();
+    let halos: Vec<Vec<u32>> = ranges.par_iter().map(|r| surroundings.halo(part, r)).collect();
     // Where nearly all faces touch each other (a huge fan) cutting would only multiply the work.
     if halos.iter().map(Vec::len).sum::<usize>() > 2 * faces {
         return run(part, uvs, 0..faces, &[]);
@@ -132,16 +132,8 @@ struct Surroundings {
 
 impl Surroundings {
     fn new(part: &Part, uvs: &[Vec2]) -> Surroundings {
-        let mut known: HashMap<[u32; 8], u32> = HashMap::with_capacity(part.positions.len());
-        let mut weld = |i: usize| {
-            let (p, n, uv) = (part.positions[i].as_vec3(), part.normals[i], uvs[i]);
-            // The generator compares by value: −0 is 0.
-            let key = [p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y].map(|v| (v + 0.0).to_bits());
-            let next = known.len() as u32;
-            *known.entry(key).or_insert(next)
-        };
-        let welded: Vec<u32> = (0..part.positions.len()).map(&mut weld).collect();
-        let mut first = vec![0usize; known.len() + 1];
+        let welded = weld(part, uvs);
+        let mut first = vec![0usize; welded.len() + 1];
         let corners = || part.triangles.iter().flatten().map(|v| welded[*v as usize] as usize);
         corners().for_each(|w| first[w + 1] += 1);
         for i in 1..first.len() {
@@ -169,6 +161,31 @@ impl Surroundings {
         halo.dedup();
         halo
     }
+}
+
+/// For each vertex the lowest one of equal position, normal and texture coordinate.
+fn weld(part: &Part, uvs: &[Vec2]) -> Vec<u32> {
+    let key = |i: u32| {
+        let i = i as usize;
+        let (p, n, uv) = (part.positions[i].as_vec3(), part.normals[i], uvs[i]);
+        // The generator compares by value: −0 is 0.
+        [p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y].map(|v| (v + 0.0).to_bits())
+    };
+    let hash = |key: [u32; 8]| {
+        let mix = |h: u64, v: u32| (h ^ u64::from(v)).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
+        key.into_iter().fold(0, mix)
+    };
+    let count = part.positions.len() as u32;
+    let mut order: Vec<(u64, u32)> = (0..count).into_par_iter().map(|i| (hash(key(i)), i)).collect();
+    order.par_sort_unstable();
+    let mut welded: Vec<u32> = (0..count).collect();
+    for run in order.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+        run.sort_unstable_by_key(|(_, i)| (key(*i), *i));
+        for same in run.chunk_by(|a, b| key(a.1) == key(b.1)) {
+            same.iter().for_each(|(_, i)| welded[*i as usize] = same[0].1);
+        }
+    }
+    welded
 }
 
 /// Some unit tangent where the texture coordinates give none.

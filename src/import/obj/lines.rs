@@ -15,11 +15,22 @@ pub(super) fn statements(bytes: &[u8]) -> impl Iterator<Item = (u32, Cow<'_, [u8
             line = line.saturating_add(1);
             let first = line;
             let mut statement = Cow::Borrowed(without_comment(next_line(&mut rest)));
-            while let Some(head) = statement.trim_ascii_end().strip_suffix(b"\\") {
-                let mut joined = head.to_vec();
-                joined.push(b' ');
-                line = line.saturating_add(1);
-                joined.extend_from_slice(without_comment(next_line(&mut rest)));
+            if let Some(mut head) = continued(&statement) {
+                // Each line is looked at once: a file may consist of nothing else.
+                let mut joined = Vec::new();
+                loop {
+                    joined.extend_from_slice(head);
+                    joined.push(b' ');
+                    line = line.saturating_add(1);
+                    let next = without_comment(next_line(&mut rest));
+                    match continued(next) {
+                        Some(more) => head = more,
+                        None => {
+                            joined.extend_from_slice(next);
+                            break;
+                        }
+                    }
+                }
                 statement = Cow::Owned(joined);
             }
             if !statement.trim_ascii().is_empty() {
@@ -27,6 +38,11 @@ pub(super) fn statements(bytes: &[u8]) -> impl Iterator<Item = (u32, Cow<'_, [u8
             }
         }
     })
+}
+
+/// What stands before the backslash of a line that goes on in the next.
+fn continued(line: &[u8]) -> Option<&[u8]> {
+    line.trim_ascii_end().strip_suffix(b"\\")
 }
 
 /// Cuts one line off the front.

@@ -232,7 +232,8 @@ impl<'a> Builder<'a> {
             let vertices: Vec<u32> = corners.map(|c| self.vertex(c, face, info, &polygon)).collect();
             let cut = triangulate(&polygon);
             if cut.is_crossed {
-                let message = "face `f` crosses itself; its triangles may overlap or leave gaps";
+                let message =
+                    "face `f` crosses itself or has too many corners; its triangles may overlap or leave gaps";
                 report.push(info.line, Diagnostic::warning("O0121", message));
             }
             for [a, b, c] in cut.triangles {

@@ -9,7 +9,7 @@ use crate::diag::Diagnostic;
 use crate::files::Files;
 use crate::scene::Channel;
 use glam::DVec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// A texture with its options.
@@ -89,10 +89,15 @@ const IGNORED: [&str; 3] = ["map_ka", "sharpness", "map_aat"];
 /// Known, and missed in the picture.
 const UNSUPPORTED: [&str; 7] = ["decal", "disp", "map_disp", "refl", "map_refl", "map_tf", "map_ns"];
 
+/// Most material libraries of one model; a statement may name several.
+const MOST_LIBRARIES: usize = 1000;
+
 /// Reads the libraries that the model names. One `mtllib` may name several files; names may hold blanks.
 pub(super) fn load_libraries(libraries: &[Named], directory: &Path, files: &dyn Files, report: &mut Report) -> Library {
     let mut library = Library::new();
-    for Named { name, line } in libraries {
+    let (mut asked, mut met) = (HashSet::new(), HashSet::new());
+    let new = libraries.iter().filter(|named| asked.insert(named.name.as_str()));
+    for Named { name, line } in new.take(MOST_LIBRARIES) {
         let mut names: Vec<&str> = vec![name.as_str()];
         if find_file(files, directory, name).is_none() {
             names = name.split_whitespace().collect();
@@ -100,8 +105,12 @@ pub(super) fn load_libraries(libraries: &[Named], directory: &Path, files: &dyn 
         if names.is_empty() {
             report.push(*line, Diagnostic::warning("O0200", "`mtllib` names no file"));
         }
-        for name in names {
-            let read = find_file(files, directory, name).map(|path| (files.read(&path), path));
+        for name in names.into_iter().take(MOST_LIBRARIES) {
+            let found = find_file(files, directory, name);
+            if found.as_ref().is_some_and(|path| !met.insert(path.clone())) {
+                continue; // read already
+            }
+            let read = found.map(|path| (files.read(&path), path));
             match read {
                 Some((Ok(bytes), path)) => parse(&bytes, &path, &mut library, report),
                 Some((Err(e), _)) => {

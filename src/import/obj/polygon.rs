@@ -11,6 +11,9 @@ pub(super) struct Triangulation {
     pub is_crossed: bool,
 }
 
+/// Concave polygons of more corners are not cut by ears, which may take quadratic time.
+const MOST_CORNERS: usize = 1 << 15;
+
 /// Cuts a polygon of at least three corners into triangles. It is flattened onto the plane that fits its outline best
 /// (Newell's normal); convex ones become a fan, others are cut by ears. A polygon without area or with
 /// corners that are not finite becomes a fan too: its triangles are sorted out later, and counted.
@@ -25,6 +28,12 @@ pub(super) fn triangulate(corners: &[DVec3]) -> Triangulation {
     let Some(flat) = flatten(corners) else { return fan() };
     if is_convex(&flat) {
         return fan();
+    }
+    if corners.len() > MOST_CORNERS {
+        return Triangulation {
+            is_crossed: true,
+            ..fan()
+        };
     }
     let coordinates: Vec<f64> = flat.iter().flat_map(|p| [p.x, p.y]).collect();
     let Ok(indices) = earcutr::earcut(&coordinates, &[], 2) else {

@@ -440,3 +440,32 @@ fn many_objects_of_few_faces_load_in_proportion() {
             .all(|m| m.triangles.len() == 1 && m.positions.len() == 3)
     );
 }
+
+/// Each of these took quadratic time or more.
+#[test]
+fn small_files_that_ask_for_much_work_end_soon() {
+    let begun = std::time::Instant::now();
+    let mut files = MemoryFiles::default();
+    let mut text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned();
+    text += &"\\\n".repeat(1_000_000);
+    text += "\n";
+    text += &"mtllib a.mtl\n".repeat(20_000);
+    // A comb of many teeth.
+    for i in 0..60_000 {
+        text += &format!("v {} {} 0\n", i, if i % 2 == 0 { 0 } else { 5 + i % 7 });
+    }
+    text += "f 1 2 3\nf";
+    (4..60_004).for_each(|i| text += &format!(" {i}"));
+    files.insert("m.obj", text.into_bytes());
+    let mut library = b"newmtl x\nKd 1 1 1\nmap_Bump b.png\n".to_vec();
+    (0..2000).for_each(|i| library.extend(format!("newmtl x{i}\nmap_Bump b.png\n").into_bytes()));
+    files.insert("a.mtl", library);
+    files.insert("b.png", vec![0; 100_000]);
+    let mut diags = Diagnostics::default();
+    let scene = load("m.obj".as_ref(), &files, &ObjOptions::default(), &mut diags);
+    assert!(scene.is_some(), "{diags:?}");
+    let opened = |name: &str| files.opened().iter().filter(|p| p.as_os_str() == name).count();
+    assert_eq!([opened("a.mtl"), opened("m.obj")], [1, 1]);
+    assert!(opened("b.png") <= 1);
+    assert!(begun.elapsed().as_secs() < 30, "{:?}", begun.elapsed());
+}

@@ -5,11 +5,12 @@ use super::mtl::Map;
 use super::report::Report;
 use crate::diag::Diagnostic;
 use crate::files::Files;
-use crate::pictures::Picture;
+use crate::pictures::{Limits, Picture, cost, decode};
 use crate::scene::{
     Encoding, Image, ImageId, ImageSource, ImageTexture, Place, Scene, TexelFilter, Texture, TextureId, Wrap,
 };
 use glam::{DAffine2, DMat2, DVec2};
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
@@ -17,7 +18,12 @@ use std::path::PathBuf;
 pub(super) struct Textures<'a> {
     files: &'a dyn Files,
     images: HashMap<PathBuf, ImageId>,
+    /// What pictures look like, as far as that was asked.
+    seen: RefCell<HashMap<PathBuf, Glance>>,
 }
+
+/// Most bytes of a picture that is decoded only to tell what it is.
+const GLANCE: u64 = 1 << 28;
 
 impl<'a> Textures<'a> {
     /// Textures read through `files`.
@@ -25,6 +31,7 @@ impl<'a> Textures<'a> {
         Textures {
             files,
             images: HashMap::new(),
+            seen: RefCell::default(),
         }
     }
 
@@ -75,9 +82,45 @@ impl<'a> Textures<'a> {
         if ["height", "bump", "disp"].iter().any(|s| name.contains(s)) {
             return false;
         }
-        let Some(picture) = self.picture(map, report) else {
+        let Some(path) = self.locate(map, report) else {
             return false;
         };
+        self.glance(path, &map.file).is_light_blue
+    }
+
+    /// What a picture looks like, decoded once. What cannot be decoded is reported where it is used.
+    fn glance(&self, path: PathBuf, name: &str) -> Glance {
+        if let Some(known) = self.seen.borrow().get(&path) {
+            return *known;
+        }
+        let limits = Limits::default();
+        let picture = self.files.read(&path).ok().and_then(|bytes| {
+            let cost = cost(&bytes, name, limits).filter(|c| c.peak <= GLANCE);
+            cost.and_then(|_| decode(&bytes, name, limits).ok())
+        });
+        let found = picture.as_ref().map_or(Glance::default(), Glance::of);
+        self.seen.borrow_mut().insert(path, found);
+        found
+    }
+
+    /// Whether an image has an alpha channel that is not the same everywhere.
+    pub fn has_alpha(&self, map: &Map, report: &mut Report) -> bool {
+        let path = self.locate(map, report);
+        path.is_some_and(|path| self.glance(path, &map.file).has_alpha)
+    }
+}
+
+/// What a picture looks like.
+#[derive(Clone, Copy, Default)]
+struct Glance {
+    /// Mostly straight up, as normals are.
+    is_light_blue: bool,
+    /// Its alpha is not the same everywhere.
+    has_alpha: bool,
+}
+
+impl Glance {
+    fn of(picture: &Picture) -> Glance {
         let count = picture.texels.len();
         let step = (count / 4096).max(1);
         let (mut sum, mut n) = ([0.0_f32; 4], 0.0_f32);
@@ -86,19 +129,10 @@ impl<'a> Textures<'a> {
             n += 1.0;
         }
         let [r, g, b, _] = sum.map(|s| s / n);
-        (r - 0.5).abs() < 0.15 && (g - 0.5).abs() < 0.15 && b > 0.75
-    }
-
-    /// Whether an image has an alpha channel that is not the same everywhere.
-    pub fn has_alpha(&self, map: &Map, report: &mut Report) -> bool {
-        self.picture(map, report).is_some_and(|p| !p.texels.uniform()[3])
-    }
-
-    /// The decoded image; what cannot be decoded is reported where it is used.
-    fn picture(&self, map: &Map, report: &mut Report) -> Option<Picture> {
-        let path = self.locate(map, report)?;
-        let bytes = self.files.read(&path).ok()?;
-        crate::pictures::decode(&bytes, &map.file, crate::pictures::Limits::default()).ok()
+        Glance {
+            is_light_blue: (r - 0.5).abs() < 0.15 && (g - 0.5).abs() < 0.15 && b > 0.75,
+            has_alpha: !picture.texels.uniform()[3],
+        }
     }
 }
 

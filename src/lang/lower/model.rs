@@ -16,6 +16,7 @@ const GLTF_WORDS: &[Word] = &[
     Word::Variant,
     Word::Lights,
     Word::Cameras,
+    Word::Animation,
     Word::Clock,
 ];
 
@@ -85,6 +86,7 @@ impl Interp<'_> {
                 options.node = Some(self.text("name of the node")?.to_string());
                 options.node_is_origin = self.eat_word_text("local");
             }
+            Word::Animation => options.animation = Some(self.text("name of the animation")?.to_string()),
             Word::Clock => options.clock = Some(self.finite("clock of the model")?),
             Word::Lights => model.lights = self.flag()?,
             Word::Cameras => model.cameras = self.flag()?,

@@ -127,7 +127,7 @@ words! {
     contextual:
     Abbe "abbe" AlphaMode "alpha_mode" Anisotropy "anisotropy" AnisotropyDirection "anisotropy_direction"
     AnisotropyRotation "anisotropy_rotation"
-    AttenuationColor "attenuation_color" AttenuationDistance "attenuation_distance" Backdrop "backdrop"
+    Animation "animation" AttenuationColor "attenuation_color" AttenuationDistance "attenuation_distance" Backdrop "backdrop"
     BaseColor "base_color" BlackmanHarris "blackman_harris" Cameras "cameras" Channel "channel" Clearcoat "clearcoat"
     ClearcoatNormal "clearcoat_normal" ClearcoatRoughness "clearcoat_roughness" Depth "depth" DiffuseTransmission "diffuse_transmission"
     DiffuseTransmissionColor "diffuse_transmission_color" Environment "environment" Error "error"

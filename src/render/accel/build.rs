@@ -3,9 +3,9 @@
 use super::bounds::Bounds;
 use super::node::{LEAF, Node, Tree, WIDTH};
 use crate::render::technique::BuildPreset;
-use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer};
-use obvhs::ploc::PlocBuilder;
-use obvhs::{Boundable, BvhBuildParams, aabb::Aabb};
+use obvhs::bvh2::{Bvh2, leaf_collapser::collapse, node::Bvh2Node, reinsertion::ReinsertionOptimizer};
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance};
+use obvhs::{BvhBuildParams, aabb::Aabb};
 use rayon::slice::ParallelSliceMut;
 use std::collections::HashMap;
 
@@ -13,14 +13,6 @@ mod cuts;
 mod topdown;
 
 use cuts::Cuts;
-
-struct Item(Bounds);
-
-impl Boundable for Item {
-    fn aabb(&self) -> Aabb {
-        Aabb::new(self.0.min.into(), self.0.max.into())
-    }
-}
 
 /// A tree over these boxes with at most `leaf_size` primitives a leaf. Empty input gives an empty tree; identical boxes,
 /// flat ones and huge ones are all fine. How thoroughly it is built changes what a ray visits, never what it hits.
@@ -58,7 +50,7 @@ pub fn build_tree(bounds: Vec<Bounds>, leaf_size: u32, preset: BuildPreset) -> T
 /// Boxes around one centre, gathered where there are many: clustering by area merges equal and nested boxes one by one, in
 /// quadratic time. The builder sees one box of each stack.
 struct Stacks {
-    /// The lowest primitive of each stack or the only one, ascending.
+    /// The lowest primitive of each stack or the only one, ascending; empty where there are no stacks.
     lowest: Vec<u32>,
     /// All primitives of real stacks, by the lowest; from small to large.
     members: HashMap<u32, Vec<u32>>,
@@ -94,9 +86,10 @@ impl Stacks {
             }
         }
         covered.sort_unstable();
-        let is_lowest = |i: &u32| covered.is_empty() || covered.binary_search(i).is_err();
+        let is_lowest = |i: &u32| covered.binary_search(i).is_err();
+        let all = if covered.is_empty() { 0 } else { bounds.len() as u32 };
         Stacks {
-            lowest: (0..bounds.len() as u32).filter(is_lowest).collect(),
+            lowest: (0..all).filter(is_lowest).collect(),
             members,
         }
     }
@@ -122,6 +115,10 @@ impl Stacks {
     /// Lists the primitives behind some of the builder's items.
     fn primitives(&self, items: &[u32], all: &mut Vec<u32>) {
         all.clear();
+        if self.members.is_empty() {
+            all.extend_from_slice(items);
+            return;
+        }
         for &item in items {
             let lowest = self.lowest[item as usize];
             match self.members.get(&lowest) {
@@ -171,26 +168,44 @@ fn scaled(b: Bounds, factor: f64) -> Bounds {
 fn cluster(boxes: Vec<Bounds>, leaf_size: u32, preset: BuildPreset) -> Bvh2 {
     // In a row of equal boxes all neighbours are equally good, and one pair would be merged a round. Widening each box
     // by its own share of 2⁻¹² breaks the ties.
-    let widened = |(i, b): (usize, Bounds)| {
-        let share = ((i as u32).wrapping_mul(0x9E37_79B9) >> 8) as f32 / 16_777_216.0 / 4096.0;
-        let max = b.max + (b.max - b.min).max_element() * share;
-        Item(Bounds { min: b.min, max })
-    };
-    let items: Vec<Item> = boxes.into_iter().enumerate().map(widened).collect();
     // The library's presets, of which pre-splitting and the cost model of leaves are not used here.
     let params = match preset {
         BuildPreset::Fast => BvhBuildParams::fastest_build(),
         BuildPreset::Medium => BvhBuildParams::medium_build(),
         BuildPreset::High => BvhBuildParams::very_slow_build(),
     };
-    let mut bvh = PlocBuilder::with_capacity(items.len()).build(
-        params.ploc_search_distance,
-        &items,
-        (0..items.len() as u32).collect(),
-        params.sort_precision,
-        params.search_depth_threshold,
-    );
-    drop(items);
+    let count = boxes.len();
+    let mut total = Aabb::empty();
+    let leaf = |(b, i): (Bounds, u32)| {
+        let share = (i.wrapping_mul(0x9E37_79B9) >> 8) as f32 / 16_777_216.0 / 4096.0;
+        let max = b.max + (b.max - b.min).max_element() * share;
+        let aabb = Aabb::new(b.min.into(), max.into());
+        total = total.union(&aabb);
+        Bvh2Node::new(aabb, 1, i)
+    };
+    // The builder's working set is the peak of all memory; its leaves take the boxes' place.
+    let mut builder = PlocBuilder::new();
+    builder.current_nodes = boxes.into_iter().zip(0..).map(leaf).collect();
+    let mut bvh = Bvh2::zeroed(count);
+    bvh.primitive_indices = (0..count as u32).collect();
+    let (precision, threshold) = (params.sort_precision, params.search_depth_threshold);
+    match params.ploc_search_distance {
+        PlocSearchDistance::Minimum => {
+            builder.build_ploc_from_leaves::<1, false>(&mut bvh, total, precision, threshold)
+        }
+        PlocSearchDistance::VeryLow => {
+            builder.build_ploc_from_leaves::<2, false>(&mut bvh, total, precision, threshold)
+        }
+        PlocSearchDistance::Low => builder.build_ploc_from_leaves::<6, false>(&mut bvh, total, precision, threshold),
+        PlocSearchDistance::Medium => {
+            builder.build_ploc_from_leaves::<14, false>(&mut bvh, total, precision, threshold)
+        }
+        PlocSearchDistance::High => builder.build_ploc_from_leaves::<24, false>(&mut bvh, total, precision, threshold),
+        PlocSearchDistance::VeryHigh => {
+            builder.build_ploc_from_leaves::<32, false>(&mut bvh, total, precision, threshold)
+        }
+    }
+    drop(builder);
     let mut optimizer = ReinsertionOptimizer::default();
     let mut optimize = |bvh: &mut Bvh2, ratio: f32| {
         if ratio > 0.0 {

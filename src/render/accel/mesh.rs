@@ -44,17 +44,23 @@ impl MeshTree {
             let [a, b, c] = triangles[id as usize];
             Some([corner(a)?, corner(b)?, corner(c)?])
         };
-        let mut ids: Vec<u32> = Vec::with_capacity(triangles.len());
+        // Which triangle each box is of, from the first one on that is left out.
+        let mut ids: Option<Vec<u32>> = None;
         let mut bounds: Vec<Bounds> = Vec::with_capacity(triangles.len());
         for id in 0..triangles.len() as u32 {
-            if let Some(corners) = corners(id) {
-                ids.push(id);
-                bounds.push(Bounds::around(&corners));
+            match corners(id) {
+                Some(corners) => {
+                    ids.iter_mut().for_each(|ids| ids.push(id));
+                    bounds.push(Bounds::around(&corners));
+                }
+                None => {
+                    ids.get_or_insert_with(|| (0..id).collect());
+                }
             }
         }
         let tree = build_tree(bounds, LANES as u32, preset);
         let pack = |leaf: &[u32]| {
-            let ids = leaf.iter().map(|&i| ids[i as usize]);
+            let ids = leaf.iter().map(|&i| ids.as_ref().map_or(i, |ids| ids[i as usize]));
             let few: Vec<_> = ids.filter_map(|id| Some((id, corners(id)?))).collect();
             TriangleBlock::new(&few)
         };

@@ -12,8 +12,10 @@ use crate::math::robust::sqrt_of_nonnegative;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
+mod brushed;
 mod white;
 
+pub use brushed::{facets_albedo, facets_mean};
 pub use white::{schlick_albedo, schlick_mean};
 
 /// Nodes along the axis of indices.
@@ -201,8 +203,13 @@ struct CoatTables {
 /// Reflectance at the mean cosine between view and visible facets, (cosθ + |stretched w|)/2. Times the albedo of white
 /// facets it bends with the index as the coat's albedo does, so that little is left to be interpolated.
 pub fn typical_reflectance(cos: f32, alpha: f32, eta: f32) -> f32 {
+    fresnel_dielectric(typical_cosine(cos, alpha), eta)
+}
+
+/// Mean cosine between a view and the facets that it sees.
+pub fn typical_cosine(cos: f32, alpha: f32) -> f32 {
     let stretched = (cos * cos + alpha * alpha * (1.0 - cos * cos)).max(0.0).sqrt();
-    fresnel_dielectric((0.5 * (cos + stretched)).min(1.0), eta)
+    (0.5 * (cos + stretched)).min(1.0)
 }
 
 static COAT: LazyLock<CoatTables> = LazyLock::new(|| {

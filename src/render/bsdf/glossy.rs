@@ -2,11 +2,13 @@
 //!
 //! What the coat does not reflect reaches the base and leaves it again:
 //! f_base = ρ/π·(1−E(wo))·(1−E(wi))/(1−Ē), with E the coat's albedo and Ē its mean over views. For a white base the
-//! whole is lossless at every view, and it is symmetric in its directions.
+//! whole is lossless at every view, and it is symmetric in its directions. E counts what several facets reflect too: a
+//! bright rough coat keeps its own colour, and the base below it stays hidden.
 
 use super::diffuse::sample_cosine_beside;
-use super::energy::{coat_albedo, coat_mean, fresnel_mean, schlick_albedo, schlick_mean};
+use super::energy::{coat_albedo, coat_mean, facets_albedo, facets_mean, fresnel_mean};
 use super::fresnel::{fresnel_dielectric, reflect, schlick};
+use super::metal::Metal;
 use super::microfacet::Ggx;
 use super::specular::mirrored;
 use super::{BsdfSample, facing_up, with_side_of};
@@ -39,26 +41,30 @@ impl Coat {
         }
     }
 
-    /// Directional albedo of rough facets.
-    fn albedo(&self, cos: f32, alpha: f32) -> Vec3 {
+    /// What rough facets reflect at once, seen along `w`, and the share of light that white ones would not: it meets
+    /// further facets.
+    fn seen(&self, w: Vec3, ggx: Ggx) -> (Vec3, f32) {
         match *self {
-            Coat::Dielectric { eta } => Vec3::splat(coat_albedo(cos, alpha, eta)),
-            Coat::Schlick { f0, f90 } => {
-                let (base, edge) = schlick_albedo(cos, alpha);
-                f0 * base + Vec3::splat(f90 * edge)
-            }
+            Coat::Dielectric { eta } => (Vec3::splat(coat_albedo(w.z.abs(), ggx.alpha(), eta)), 0.0),
+            Coat::Schlick { .. } => self.of_table(facets_albedo(ggx, w)),
         }
     }
 
-    /// Mean of [`Coat::albedo`] over views.
-    fn mean(&self, alpha: f32) -> Vec3 {
+    /// Means of [`Coat::seen`] over views.
+    fn mean(&self, ggx: Ggx) -> (Vec3, f32) {
         match *self {
-            Coat::Dielectric { eta } => Vec3::splat(coat_mean(alpha, eta)),
-            Coat::Schlick { f0, f90 } => {
-                let (base, edge) = schlick_mean(alpha);
-                f0 * base + Vec3::splat(f90 * edge)
-            }
+            Coat::Dielectric { eta } => (Vec3::splat(coat_mean(ggx.alpha(), eta)), 0.0),
+            Coat::Schlick { .. } => self.of_table(facets_mean(ggx)),
         }
+    }
+
+    fn of_table(&self, (base, edge): (f32, f32)) -> (Vec3, f32) {
+        let (f0, f90) = match *self {
+            Coat::Dielectric { .. } => (Vec3::ONE, 1.0),
+            Coat::Schlick { f0, f90 } => (f0, f90),
+        };
+        let lost = (1.0 - base - edge).clamp(0.0, 1.0);
+        (f0 * base + Vec3::splat(f90 * edge), lost)
     }
 }
 
@@ -99,47 +105,92 @@ pub struct Glossy {
     pub compensated: bool,
 }
 
+/// What a coat takes from the light along a direction.
+struct Taken {
+    /// Reflected by one facet.
+    single: Vec3,
+    /// Reflected by several facets.
+    several: Vec3,
+    /// Share that white facets would not reflect at once.
+    lost: f32,
+    /// Share that does not reach the base, by the brightest channel.
+    all: f32,
+}
+
 impl Glossy {
-    /// Share of light that facets hide from one another and nobody gets, seen under this cosine.
-    fn lost(&self, cos: f32) -> f32 {
-        if self.compensated {
-            return 0.0;
+    /// Colour of the light that several facets reflect, over the mean loss: once more tinted for each further facet, as in
+    /// a metal. An exact dielectric has none: at an index of 1.5 its share stays below half a percent, and the base gets it.
+    fn several_over_lost(&self, mean_lost: f32) -> Vec3 {
+        match self.coat {
+            Coat::Schlick { f0, f90 } if self.compensated => {
+                Metal::multiple_over_lost(f0 + (Vec3::splat(f90) - f0) / 21.0, mean_lost)
+            }
+            _ => Vec3::ZERO,
         }
-        let (base, edge) = schlick_albedo(cos, self.ggx.alpha());
-        (1.0 - base - edge).clamp(0.0, 1.0)
     }
 
-    /// Mean of [`Glossy::lost`] over views.
-    fn mean_lost(&self) -> f32 {
-        if self.compensated {
-            return 0.0;
+    fn taken(&self, (single, lost): (Vec3, f32), mean_lost: f32, several: Vec3) -> Taken {
+        let several = several * (lost * mean_lost);
+        let nobody = if self.compensated { 0.0 } else { lost };
+        Taken {
+            single,
+            several,
+            lost,
+            all: (single + several).max_element().clamp(0.0, 1.0) + nobody,
         }
-        let (base, edge) = schlick_mean(self.ggx.alpha());
-        (1.0 - base - edge).clamp(0.0, 1.0)
     }
 
-    fn coat_albedo(&self, cos: f32) -> f32 {
-        self.coat.albedo(cos, self.ggx.alpha()).max_element().clamp(0.0, 1.0)
+    /// What single scattering shows along `w`; what a coat without compensation loses counts too.
+    fn seen(&self, w: Vec3) -> (Vec3, f32) {
+        let (single, lost) = self.coat.seen(w, self.ggx);
+        match self.coat {
+            Coat::Dielectric { .. } if !self.compensated => {
+                let (base, edge) = facets_albedo(self.ggx, w);
+                (single, (1.0 - base - edge).clamp(0.0, 1.0))
+            }
+            _ => (single, lost),
+        }
+    }
+
+    /// Means of [`Glossy::seen`].
+    fn mean(&self) -> (Vec3, f32) {
+        let (single, lost) = self.coat.mean(self.ggx);
+        match self.coat {
+            Coat::Dielectric { .. } if !self.compensated => {
+                let (base, edge) = facets_mean(self.ggx);
+                (single, (1.0 - base - edge).clamp(0.0, 1.0))
+            }
+            _ => (single, lost),
+        }
+    }
+
+    /// Shares of sampling along a view: (coat, even light in front, behind), adding up to 1 unless nothing scatters.
+    fn shares(&self, taken: &Taken) -> (f32, f32, f32) {
+        let coat = taken.single.max_element().clamp(0.0, 1.0);
+        let left = (1.0 - taken.all).max(0.0);
+        let front = taken.several.max_element() + left * self.base.max_element();
+        let back = left * self.back.max_element();
+        let sum = coat + front + back;
+        if sum > 0.0 {
+            (coat / sum, front / sum, back / sum)
+        } else {
+            (0.0, 0.0, 0.0)
+        }
     }
 
     /// f·|cosθi| and the density of `wi`.
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
         let (wo, wi) = facing_up(wo, wi);
-        let eo = self.coat_albedo(wo.z);
-        let (coat, front, back) = shares(eo, self.base, self.back);
+        let mean = self.mean();
+        let several = self.several_over_lost(mean.1);
+        let [o, i, mean] = [self.seen(wo), self.seen(wi), mean].map(|seen| self.taken(seen, mean.1, several));
+        let (coat, front, back) = self.shares(&o);
         let cosine = wi.z.abs() * INV_PI;
-        let mut mean = self.coat.mean(self.ggx.alpha()).max_element();
-        let (mut eo, mut ei) = (eo, self.coat_albedo(wi.z.abs()));
-        if !self.compensated {
-            mean += self.mean_lost();
-            eo += self.lost(wo.z);
-            ei += self.lost(wi.z.abs());
-        }
-        let base = base_factor(eo, ei, mean) * cosine;
+        let base = base_factor(o.all, i.all, mean.all) * cosine;
         if wi.z > 0.0 {
             let (f, pdf, cos) = self.ggx.reflection(wo, wi);
-            let value = self.coat.reflectance(cos) * f + self.base * base;
-            (value, coat * pdf + front * cosine)
+            let even = several * (o.lost * i.lost * cosine) + self.base * base;
+            (self.coat.reflectance(cos) * f + even, coat * pdf + front * cosine)
         } else {
             (self.back * base, back * cosine)
         }
@@ -148,7 +199,9 @@ impl Glossy {
     /// A visible facet's mirror direction, or one by the cosine on either side.
     pub fn sample(&self, wo: Vec3, u: Vec2, u_lobe: f32) -> Option<BsdfSample> {
         let (up, _) = facing_up(wo, wo);
-        let (coat, front, _) = shares(self.coat_albedo(up.z), self.base, self.back);
+        let (_, mean_lost) = self.mean();
+        let taken = self.taken(self.seen(up), mean_lost, self.several_over_lost(mean_lost));
+        let (coat, front, _) = self.shares(&taken);
         let wi = if u_lobe < coat {
             reflect(up, self.ggx.sample_visible(up, u))
         } else if u_lobe < coat + front {
@@ -157,15 +210,16 @@ impl Glossy {
             sample_cosine_beside(-up, u)
         };
         if u_lobe < coat && wi.z <= 0.0 {
-            return None; // the facet's light meets another facet; the base lobe carries it
+            return None; // the facet's light meets another facet; the even lobe carries it
         }
         BsdfSample::from_eval(with_side_of(wo, wi), |wi| self.eval_pdf(wo, wi))
     }
 
     /// Directional albedo.
     pub fn albedo(&self, wo: Vec3) -> Vec3 {
-        let e = self.coat.albedo(wo.z.abs(), self.ggx.alpha());
-        e + (self.base + self.back) * (1.0 - e.max_element() - self.lost(wo.z.abs())).max(0.0)
+        let (_, mean_lost) = self.mean();
+        let taken = self.taken(self.seen(wo), mean_lost, self.several_over_lost(mean_lost));
+        taken.single + taken.several + (self.base + self.back) * (1.0 - taken.all).max(0.0)
     }
 }
 

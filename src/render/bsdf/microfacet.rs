@@ -56,7 +56,7 @@ impl Ggx {
     }
 
     /// |(αx·x, αy·y, z)|, which is (1 + 2Λ)·|z|.
-    fn stretched(self, w: Vec3) -> f32 {
+    pub(super) fn stretched(self, w: Vec3) -> f32 {
         let (x, y) = (self.ax * w.x, self.ay * w.y);
         (x * x + y * y + w.z * w.z).sqrt()
     }

@@ -12,9 +12,11 @@
 
 pub mod diffuse;
 pub mod energy;
+pub mod film;
 pub mod finish;
 pub mod fresnel;
 pub mod glossy;
+pub mod iridescent;
 pub mod metal;
 pub mod microfacet;
 pub mod principled;
@@ -28,6 +30,7 @@ use diffuse::{Diffuse, OrenNayar, Translucent};
 use finish::Finish;
 use glam::{Vec2, Vec3};
 use glossy::{Glossy, SmoothCoat};
+use iridescent::Iridescent;
 use metal::Metal;
 use principled::Principled;
 use rough_glass::{RoughGlass, RoughThinGlass};
@@ -60,6 +63,8 @@ pub enum Bsdf {
     Metal(Metal),
     /// Thin diffuse sheet.
     Translucent(Translucent),
+    /// A thin film over one of the others.
+    Iridescent(Iridescent),
     /// Clearcoat and sheen over another model.
     Principled(Principled),
     /// POV-Ray's finish.
@@ -155,6 +160,7 @@ impl Bsdf {
             Bsdf::Glossy(b) => b.back != Vec3::ZERO,
             Bsdf::SmoothCoat(b) => b.back != Vec3::ZERO,
             Bsdf::Finish(b) => b.diffuse_back != Vec3::ZERO,
+            Bsdf::Iridescent(b) => b.transmits(),
             Bsdf::Principled(b) => b.base.bsdf().transmits(),
             Bsdf::Black
             | Bsdf::Diffuse(_)
@@ -170,6 +176,7 @@ impl Bsdf {
     pub fn eta_across(&self, wo: Vec3) -> f32 {
         match self {
             Bsdf::RoughGlass(b) => b.eta_towards(wo),
+            Bsdf::Iridescent(b) => b.eta_towards(wo),
             Bsdf::Principled(b) => b.base.bsdf().eta_across(wo),
             _ => 1.0,
         }
@@ -187,6 +194,7 @@ impl Bsdf {
             Bsdf::SmoothCoat(b) => b.eval_pdf(wo, wi),
             Bsdf::Metal(b) => b.eval_pdf(wo, wi),
             Bsdf::Translucent(b) => b.eval_pdf(wo, wi),
+            Bsdf::Iridescent(b) => b.eval_pdf(wo, wi),
             Bsdf::Principled(b) => b.eval_pdf(wo, wi),
             Bsdf::Finish(b) => b.eval_pdf(wo, wi),
         }
@@ -207,6 +215,7 @@ impl Bsdf {
             Bsdf::SmoothCoat(b) => b.sample(wo, u, u_lobe),
             Bsdf::Metal(b) => b.sample(wo, u, u_lobe),
             Bsdf::Translucent(b) => b.sample(wo, u, u_lobe),
+            Bsdf::Iridescent(b) => b.sample(wo, u, u_lobe),
             Bsdf::Principled(b) => b.sample(wo, u, u_lobe),
             Bsdf::Finish(b) => b.sample(wo, u, u_lobe),
         }
@@ -217,6 +226,7 @@ impl Bsdf {
         match self {
             Bsdf::Black | Bsdf::Specular(_) | Bsdf::Glass(_) | Bsdf::ThinGlass(_) => true,
             Bsdf::Finish(b) => b.is_delta_only(),
+            Bsdf::Iridescent(b) => b.is_delta_only(),
             Bsdf::Principled(b) => b.is_delta_only(),
             Bsdf::Diffuse(_)
             | Bsdf::OrenNayar(_)
@@ -251,6 +261,7 @@ impl Bsdf {
             Bsdf::SmoothCoat(b) => b.albedo(wo),
             Bsdf::Metal(b) => b.albedo(wo),
             Bsdf::Translucent(b) => b.front + b.back,
+            Bsdf::Iridescent(b) => b.albedo(wo),
             Bsdf::Principled(b) => b.albedo(wo),
             Bsdf::Finish(b) => b.albedo(wo),
         }

@@ -148,7 +148,7 @@ impl Kernel<'_> {
             &self.scene.materials[surface.material as usize],
             self.shading(&attributes, 1.0, None),
         );
-        material.emission(&shading, front) * material.alpha(&shading)
+        material.emission(&shading, front, light.wi.dot(surface.ns).abs()) * material.alpha(&shading)
     }
 
     /// The share of a light sample's radiance that arrives, per channel.
@@ -207,7 +207,7 @@ impl Kernel<'_> {
             let around = media.ior_around(surface.prim.object);
             let shading = self.shading(&attributes, around, if T::MEDIA { wavelength } else { None });
             let straight = material.straight_transmittance(&shading, cos.abs(), through_glass);
-            let alpha = material.alpha(&shading);
+            let alpha = if material.unlit { 0.0 } else { material.alpha(&shading) };
             left *= passed(&media, &ray, hit.t) * (straight * alpha + Vec3::splat(1.0 - alpha));
             if left == Vec3::ZERO {
                 return left;

@@ -138,8 +138,9 @@ impl Kernel<'_> {
                 wavelength = Some(chosen);
             }
             let shading = self.shading(attributes, outer_ior, if T::MEDIA { wavelength } else { None });
-            if material.alpha != Alpha::Opaque {
-                let alpha = material.alpha(&shading);
+            let is_passed_by = material.unlit && from.pdf.is_some();
+            if is_passed_by || material.alpha != Alpha::Opaque {
+                let alpha = if is_passed_by { 0.0 } else { material.alpha(&shading) };
                 if alpha < 1.0 && sampler.repeated(bounce, Repeated::Coverage, passes) >= alpha {
                     if passes == MOST_PASSES {
                         stats.anomalies.count(Anomaly::StackOverflow, 1);
@@ -151,7 +152,7 @@ impl Kernel<'_> {
                 }
             }
             if material.emits_front {
-                let emitted = material.emission(&shading, front);
+                let emitted = material.emission(&shading, front, wo.dot(surface.ns).abs());
                 out.radiance += throughput * emitted * (self.hit_weight(&ray, &from, &surface, hit.t) * media.basic());
             }
             if bounce > self.max_depth && !self.aovs {
@@ -162,10 +163,13 @@ impl Kernel<'_> {
             let ns = frame.n;
             let wo_local = frame.to_local(wo);
             let mut mixes = 0;
-            let bsdf = material.bsdf(&shading, &mut || {
+            let mut bsdf = material.bsdf(&shading, &mut || {
                 mixes += 1;
                 sampler.repeated(bounce, Repeated::Mix, passes * 64 + mixes)
             });
+            if let Bsdf::Principled(layers) = &mut bsdf {
+                layers.lean = material.lean_of_base(&shading, &frame, surface.ng, surface.ns, wo);
+            }
             if self.aovs && bounce == 1 && out.first.depth.is_infinite() {
                 let facing = if ns.dot(wo) < 0.0 { -ns } else { ns };
                 out.first = FirstHit {

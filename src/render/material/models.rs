@@ -1,9 +1,11 @@
 //! From inputs at a point to scattering models: the glTF set, POV-Ray's finish, and the choice of smooth or rough.
 
 use super::super::bsdf::Bsdf;
+use super::super::bsdf::film::Film;
 use super::super::bsdf::finish::Finish;
 use super::super::bsdf::fresnel::f0_from_eta;
 use super::super::bsdf::glossy::{Coat, Glossy, SmoothCoat};
+use super::super::bsdf::iridescent::{Below, Iridescent};
 use super::super::bsdf::metal::Metal;
 use super::super::bsdf::microfacet::{ALPHA_DELTA, Ggx};
 use super::super::bsdf::principled::{Base, Clearcoat, Principled};
@@ -12,7 +14,7 @@ use super::super::bsdf::sheen::Sheen;
 use super::super::bsdf::specular::{Glass, Specular, ThinGlass};
 use super::super::technique::FresnelModel;
 use super::{FinishInputs, Material, PrincipledInputs, ScalarInput, Scattering, Shading};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// α of a perceptual roughness.
 pub(super) fn roughness_to_alpha(roughness: f32) -> f32 {
@@ -93,42 +95,11 @@ impl Material {
         let alpha = roughness_to_alpha(p.roughness.unit(cx));
         let anisotropy = p.anisotropy.unit(cx);
         let ggx = Ggx::anisotropic(alpha + (1.0 - alpha) * anisotropy * anisotropy, alpha);
-        let base = if chance(p.metallic.unit(cx), random) {
-            self.scattering.conductor(color, ggx)
-        } else {
-            let f90 = p.specular.unit(cx);
-            let f0 = p.specular_color.eval(cx.textures, cx.attrs).max(Vec3::ZERO) * f0_from_eta(p.ior / cx.outer_ior);
-            let f0 = f0.min(Vec3::ONE) * f90;
-            if chance(p.transmission.unit(cx), random) {
-                if p.thick {
-                    self.scattering.solid(color, self.relative_ior(cx), alpha)
-                } else {
-                    match ggx {
-                        None => Base::ThinGlass(ThinGlass { color, f0, f90 }),
-                        Some(ggx) => Base::RoughThinGlass(RoughThinGlass {
-                            color,
-                            f0,
-                            f90,
-                            ggx,
-                            compensated: self.scattering.compensated,
-                        }),
-                    }
-                }
-            } else {
-                let share = p.diffuse_transmission.unit(cx);
-                let back = p.diffuse_transmission_color.eval(cx.textures, cx.attrs);
-                let back = back.clamp(Vec3::ZERO, Vec3::ONE) * share;
-                let coat = Coat::Schlick { f0, f90 };
-                self.scattering.coated(color * (1.0 - share), back, coat, ggx)
-            }
-        };
+        let base = self.base(p, color, alpha, ggx, cx, random);
         let strength = p.clearcoat.unit(cx);
         let coat = if strength > 0.0 {
             let alpha = roughness_to_alpha(p.clearcoat_roughness.unit(cx));
-            Clearcoat {
-                strength,
-                ggx: Ggx::isotropic(alpha),
-            }
+            Clearcoat::new(strength, Ggx::isotropic(alpha))
         } else {
             Clearcoat::NONE
         };
@@ -138,7 +109,86 @@ impl Material {
             let tint = p.sheen_color.eval(cx.textures, cx.attrs).clamp(Vec3::ZERO, Vec3::ONE);
             Sheen::new(tint, p.sheen_roughness.unit(cx))
         };
-        Principled { base, coat, sheen }.into_bsdf()
+        let lean = Vec2::ZERO;
+        Principled {
+            base,
+            coat,
+            sheen,
+            lean,
+        }
+        .into_bsdf()
+    }
+
+    /// What lies below the layers: metal, transmission or plastic by chance, under a film or not.
+    fn base<F: FnMut() -> f32>(
+        &self,
+        p: &PrincipledInputs,
+        color: Vec3,
+        alpha: f32,
+        ggx: Option<Ggx>,
+        cx: &Shading<'_>,
+        random: &mut F,
+    ) -> Base {
+        if chance(p.metallic.unit(cx), random) {
+            return match self.film(p, cx, random) {
+                None => self.scattering.conductor(color, ggx),
+                Some(film) => self.iridescent(Iridescent::new(film, color, ggx, Below::Metal)),
+            };
+        }
+        let f90 = p.specular.unit(cx);
+        let f0 = p.specular_color.eval(cx.textures, cx.attrs).max(Vec3::ZERO) * f0_from_eta(p.ior / cx.outer_ior);
+        let f0 = f0.min(Vec3::ONE) * f90;
+        if chance(p.transmission.unit(cx), random) {
+            let film = self.film(p, cx, random);
+            if p.thick {
+                let eta = self.relative_ior(cx);
+                let Some(film) = film else {
+                    return self.scattering.solid(color, eta, alpha);
+                };
+                let ggx = Ggx::isotropic(alpha).filter(|_| is_rough_solid(eta, alpha));
+                return self.iridescent(Iridescent::new(film, f0, ggx, Below::Solid { color, eta }));
+            }
+            if let Some(film) = film {
+                return self.iridescent(Iridescent::new(film, f0, ggx, Below::Sheet(color)));
+            }
+            return match ggx {
+                None => Base::ThinGlass(ThinGlass { color, f0, f90 }),
+                Some(ggx) => Base::RoughThinGlass(RoughThinGlass {
+                    color,
+                    f0,
+                    f90,
+                    ggx,
+                    compensated: self.scattering.compensated,
+                }),
+            };
+        }
+        let share = p.diffuse_transmission.unit(cx);
+        let back = p.diffuse_transmission_color.eval(cx.textures, cx.attrs);
+        let back = back.clamp(Vec3::ZERO, Vec3::ONE) * share;
+        let base = color * (1.0 - share);
+        match self.film(p, cx, random) {
+            None => self.scattering.coated(base, back, Coat::Schlick { f0, f90 }, ggx),
+            Some(film) => {
+                let mut surface = Iridescent::new(film, f0, ggx, Below::Diffuse { base, back });
+                surface.facet = if ggx.is_some() { random() } else { 0.0 };
+                self.iridescent(surface)
+            }
+        }
+    }
+
+    /// The thin film, by the chance of its share: scattering is linear in what facets reflect.
+    fn film<F: FnMut() -> f32>(&self, p: &PrincipledInputs, cx: &Shading<'_>, random: &mut F) -> Option<Film> {
+        let is_none = p.iridescence.is_nothing() || p.iridescence_thickness.is_nothing();
+        if is_none || !chance(p.iridescence.unit(cx), random) {
+            return None;
+        }
+        let thickness = p.iridescence_thickness.eval(cx.textures, cx.attrs);
+        Film::new(p.iridescence_ior, thickness, cx.outer_ior)
+    }
+
+    fn iridescent(&self, mut surface: Iridescent) -> Base {
+        surface.compensated = self.scattering.compensated;
+        Base::Iridescent(surface)
     }
 
     /// [`Material::straight_transmittance`] of the glTF set.
@@ -147,23 +197,36 @@ impl Material {
         if share <= 0.0 {
             return Vec3::ZERO;
         }
-        // The choices that lead to transmission, with certainty.
-        let sure = PrincipledInputs {
-            metallic: ScalarInput::constant(0.0),
-            transmission: ScalarInput::constant(1.0),
-            ..*p
-        };
         let wo = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-        let (base, keep) = match self.principled(&sure, cx, &mut || 0.5) {
-            Bsdf::Principled(b) => (b.base.bsdf(), b.keep_base(wo)),
-            other => (other, 1.0),
+        let with_film = |film: f32| {
+            // The choices that lead to transmission, with certainty.
+            let sure = PrincipledInputs {
+                metallic: ScalarInput::constant(0.0),
+                transmission: ScalarInput::constant(1.0),
+                iridescence: ScalarInput::constant(film),
+                ..*p
+            };
+            let (base, keep) = match self.principled(&sure, cx, &mut || 0.5) {
+                Bsdf::Principled(b) => (b.base.bsdf(), b.keep_base(wo)),
+                other => (other, 1.0),
+            };
+            let passes = match base {
+                Bsdf::Glass(g) => g.color * (1.0 - g.fresnel.reflectance(cos, g.eta.max(1.0 / g.eta))),
+                Bsdf::ThinGlass(t) => t.color * (Vec3::ONE - t.reflectance(cos)),
+                Bsdf::Iridescent(b) => b.passage(cos),
+                _ => Vec3::ZERO,
+            };
+            passes * (share * keep)
         };
-        let passes = match base {
-            Bsdf::Glass(g) => g.color * (1.0 - g.fresnel.reflectance(cos, g.eta.max(1.0 / g.eta))),
-            Bsdf::ThinGlass(t) => t.color * (Vec3::ONE - t.reflectance(cos)),
-            _ => Vec3::ZERO,
+        let film = match p.iridescence_thickness.is_nothing() {
+            true => 0.0,
+            false => p.iridescence.unit(cx),
         };
-        passes * (share * keep)
+        if film > 0.0 {
+            with_film(0.0) * (1.0 - film) + with_film(1.0) * film
+        } else {
+            with_film(0.0)
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Tests of materials: choices, inputs, normals, straight passage.
 
+mod frames;
+
 use super::super::texture::Texture;
 use super::*;
 use crate::math::stats::Pcg;
@@ -58,12 +60,18 @@ fn principled() -> PrincipledInputs {
         thick: false,
         clearcoat: zero,
         clearcoat_roughness: zero,
+        clearcoat_normal: None,
+        coat_apart: false,
         sheen_color: ColorInput::BLACK,
         sheen_roughness: zero,
         anisotropy: zero,
         anisotropy_rotation: 0.0,
+        anisotropy_direction: None,
         diffuse_transmission: zero,
         diffuse_transmission_color: ColorInput::WHITE,
+        iridescence: zero,
+        iridescence_ior: 1.3,
+        iridescence_thickness: ScalarInput::constant(400.0),
     }
 }
 
@@ -249,8 +257,8 @@ fn emission_and_coverage_follow_their_modes() {
     let mut m = diffuse(Vec3::ONE);
     m.emission = ColorInput::constant(Vec3::ONE);
     m.emits_back = false;
-    assert_eq!(m.emission(&world.shading(), true), Vec3::ONE);
-    assert_eq!(m.emission(&world.shading(), false), Vec3::ZERO);
+    assert_eq!(m.emission(&world.shading(), true, 1.0), Vec3::ONE);
+    assert_eq!(m.emission(&world.shading(), false, 1.0), Vec3::ZERO);
     let value = ScalarInput {
         texture: Some((0, 3)),
         ..ScalarInput::constant(1.0)
@@ -348,6 +356,9 @@ fn any_inputs_make_a_surface_that_creates_no_light() {
             diffuse_transmission: scalar(),
             thick: case % 2 == 0,
             ior: 1.0 + scalar().factor,
+            iridescence: scalar(),
+            iridescence_ior: 1.0 + scalar().factor,
+            iridescence_thickness: ScalarInput::constant(1000.0 * scalar().factor),
             base_color: ColorInput::constant(Vec3::new(scalar().factor, scalar().factor, scalar().factor)),
             sheen_color: ColorInput::constant(Vec3::new(scalar().factor, 0.0, scalar().factor)),
             ..principled()

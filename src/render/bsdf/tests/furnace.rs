@@ -182,8 +182,8 @@ fn no_surface_returns_more_light_than_it_gets() {
 #[test]
 fn albedo_is_what_a_furnace_returns() {
     for (name, bsdf) in coloured() {
-        let tolerance = if name.starts_with("brushed") {
-            0.07 // see `brushed_facets_keep_most_of_their_light`
+        let tolerance = if name.starts_with("film") {
+            0.3 // one facet for all
         } else if name.starts_with("rough") || name.starts_with("coated") {
             // takes the tint of what passes for all
             0.2
@@ -198,17 +198,31 @@ fn albedo_is_what_a_furnace_returns() {
     }
 }
 
-/// The tables know facets of one width only; brushed ones are looked up by the mean. Worst along the grooves at grazing.
+/// Widths as glTF's strength of anisotropy makes them of every roughness: white loses nothing. Coats take the share of
+/// Schlick's edge from facets of the mean width, which at the most grazing view is 3 % off.
 #[test]
-fn brushed_facets_keep_most_of_their_light() {
-    for (ax, ay) in [(0.6, 0.1), (1.0, 0.25), (0.3, 0.05)] {
-        let b = Bsdf::Metal(Metal {
-            compensated: true,
-            f0: Vec3::ONE,
-            ggx: Ggx { ax, ay },
-        });
-        for cos in VIEWS {
-            assert_returns(&format!("brushed {ax} {ay}"), &b, cos, 0.93, 1.07);
+fn brushed_facets_lose_no_light() {
+    for roughness in [0.1f32, 0.3, 0.6, 0.9] {
+        for strength in [0.2f32, 0.5, 0.8, 1.0] {
+            let ay = roughness * roughness;
+            let ggx = Ggx::anisotropic(ay + (1.0 - ay) * strength * strength, ay).unwrap();
+            let (f0, compensated) = (Vec3::ONE, true);
+            let metal = Bsdf::Metal(Metal { f0, ggx, compensated });
+            let coat = Coat::Schlick {
+                f0: Vec3::splat(0.04),
+                f90: 1.0,
+            };
+            let plastic = Bsdf::Glossy(Glossy {
+                base: Vec3::ONE,
+                back: Vec3::ZERO,
+                coat,
+                ggx,
+                compensated,
+            });
+            for cos in [1.0, 0.6, 0.2, 0.05, 0.01] {
+                assert_returns(&format!("brushed {ggx:?}"), &metal, cos, 0.98, 1.02);
+                assert_returns(&format!("brushed coat {ggx:?}"), &plastic, cos, 0.965, 1.02);
+            }
         }
     }
 }
@@ -228,6 +242,7 @@ fn sheen_over_white_keeps_the_balance() {
             base,
             coat: Clearcoat::NONE,
             sheen,
+            lean: Vec2::ZERO,
         });
         for cos in VIEWS {
             assert_returns(&format!("sheen {roughness}"), &b, cos, 0.97, 1.03);
@@ -334,5 +349,48 @@ fn a_slab_transmits_as_fresnel_says() {
         let r = f64::from(EXACT.reflectance(cos, 1.5));
         let (got, want) = (through / 40_000.0, (1.0 - r) / (1.0 + r));
         assert!((got - want).abs() < 0.009, "at {cos}: {got}, Fresnel {want}");
+    }
+}
+
+/// A film over white: nothing is lost below a metal, a sheet or a solid, and a diffuse base gives back what the facets leave
+/// of the brightest channel. 1 % where several facets count, as without a film; 3 % and more in solids, whose tables of what is lost
+/// are those without it. The base's share is right in the mean over the facets that it looks at.
+#[test]
+fn films_over_white_create_no_light_and_lose_none() {
+    let w = Vec3::ONE;
+    let mut numbers = Pcg::new(3);
+    for thickness in [80.0, 450.0] {
+        for alpha in [0.0, 0.09, 0.4, 1.0] {
+            for cos in [1.0, 0.5, 0.1, -0.5] {
+                let film = Film::new(1.33, thickness, 1.0).unwrap();
+                let surface = |f0: f32, below| Iridescent::new(film, w * f0, Ggx::isotropic(alpha), below);
+                let name = |what: &str| format!("{what} {alpha} under {thickness} nm");
+                let lossless = [
+                    ("metal", surface(1.0, Below::Metal), 0.99, 1.01),
+                    ("sheet", surface(0.04, Below::Sheet(w)), 0.99, 1.01),
+                    ("solid", surface(0.04, Below::Solid { color: w, eta: 1.5 }), 0.95, 1.03),
+                ];
+                for (what, b, low, high) in lossless {
+                    assert_returns(&name(what), &Bsdf::Iridescent(b), cos, low, high);
+                }
+                let mut gold = surface(1.0, Below::Metal);
+                gold.f0 = Vec3::new(0.9, 0.6, 0.3);
+                assert_returns(&name("gold"), &Bsdf::Iridescent(gold), cos, 0.0, 1.001);
+                let mut sum = Vec3::ZERO;
+                let n = 400;
+                for _ in 0..n {
+                    let (base, back) = (w * 0.6, w * 0.4);
+                    let mut b = surface(0.04, Below::Diffuse { base, back });
+                    b.facet = numbers.next_f32();
+                    sum += furnace(&Bsdf::Iridescent(b), incidence(cos), 100);
+                }
+                // 40 000 samples of weights below 2 that differ by less than 1: five standard errors are 0.025 at most.
+                let (mean, what) = (sum / n as f32, name("base"));
+                assert!(
+                    mean.max_element() < 1.025 && mean.max_element() > 0.97,
+                    "{what} at {cos}: {mean}"
+                );
+            }
+        }
     }
 }

@@ -6,7 +6,9 @@ mod furnace;
 mod interfaces;
 mod limits;
 
+use super::film::Film;
 use super::glossy::Coat;
+use super::iridescent::Below;
 use super::microfacet::Ggx;
 use super::principled::{Base, Clearcoat};
 use super::sheen::Sheen;
@@ -93,6 +95,33 @@ fn approximate(color: Vec3) -> [(String, Bsdf); 6] {
         ),
     ];
     models.map(|(name, bsdf)| (name.to_owned(), bsdf))
+}
+
+/// Every kind of surface under a thin film, smooth and rough.
+fn under_films(c: Vec3) -> Vec<(String, Bsdf)> {
+    let mut all = Vec::new();
+    for (thickness, alpha) in [(300.0, 0.0), (150.0, 0.1), (500.0, 0.6)] {
+        let Some(film) = Film::new(1.4, thickness, 1.0) else {
+            continue;
+        };
+        let f0 = Vec3::splat(0.04);
+        let (base, back, eta) = (c * 0.7, c * 0.3, 1.5);
+        let kinds = [
+            (c, Below::Metal),
+            (f0, Below::Diffuse { base, back }),
+            (f0, Below::Sheet(c)),
+            (f0, Below::Solid { color: c, eta }),
+        ];
+        for (f0, below) in kinds {
+            let mut surface = Iridescent::new(film, f0, Ggx::isotropic(alpha), below);
+            surface.facet = 0.37;
+            all.push((
+                format!("film {thickness} {alpha} over {below:?}"),
+                Bsdf::Iridescent(surface),
+            ));
+        }
+    }
+    all
 }
 
 /// Every model, coloured, at several roughnesses.
@@ -226,27 +255,27 @@ fn coloured() -> Vec<(String, Bsdf)> {
                 ggx: ggx(0.2),
             }),
         ] {
-            let coat = Clearcoat {
-                strength: 0.7,
-                ggx: Some(g),
-            };
-            all.push((
-                format!("coated {alpha}"),
-                Bsdf::Principled(Principled { base, coat, sheen }),
-            ));
+            let coat = Clearcoat::new(0.7, Some(g));
+            for (lean, what) in [(Vec2::ZERO, "coated"), (Vec2::new(0.3, -0.2), "coated, leaning")] {
+                let layers = Principled {
+                    base,
+                    coat,
+                    sheen,
+                    lean,
+                };
+                all.push((format!("{what} {alpha}"), Bsdf::Principled(layers)));
+            }
         }
     }
     all.extend(approximate(c));
+    all.extend(under_films(c));
     let brushed = Metal {
         compensated: true,
         f0: c,
         ggx: Ggx { ax: 0.6, ay: 0.1 },
     };
     all.push(("brushed metal".to_string(), Bsdf::Metal(brushed)));
-    let coat = Clearcoat {
-        strength: 1.0,
-        ggx: None,
-    };
+    let coat = Clearcoat::new(1.0, None);
     let base = Base::Glass(Glass {
         color: c,
         eta: 1.5,
@@ -258,6 +287,7 @@ fn coloured() -> Vec<(String, Bsdf)> {
             base,
             coat,
             sheen: Sheen::NONE,
+            lean: Vec2::ZERO,
         }),
     ));
     all
@@ -314,8 +344,10 @@ fn samples_agree_with_eval_and_pdf() {
 fn scattering_is_symmetric() {
     let mut rng = Pcg::new(9);
     for (name, bsdf) in coloured() {
-        if matches!(bsdf, Bsdf::Principled(_) | Bsdf::Finish(_)) {
-            continue; // layered by the view direction, see there
+        let is_layered = matches!(bsdf, Bsdf::Principled(_) | Bsdf::Finish(_))
+            || matches!(bsdf, Bsdf::Iridescent(b) if matches!(b.below, Below::Diffuse { .. }));
+        if is_layered {
+            continue; // by the view direction, see there
         }
         for _ in 0..2000 {
             let wo = crate::math::warp::uniform_sphere(rng.next_vec2());
@@ -329,6 +361,7 @@ fn scattering_is_symmetric() {
                         1.0 / (g.eta * g.eta)
                     }
                 }
+                Bsdf::Iridescent(g) if wo.z * wi.z < 0.0 => g.eta_towards(wo).powi(2),
                 _ => 1.0,
             };
             let off = (ab * eta2 - ba).abs().max_element();
