@@ -85,8 +85,7 @@ impl Loader<'_> {
         primitive: &Primitive,
         weights: &[f32],
         pose: &Pose,
-        order: &[u32],
-        vertices: usize,
+        (order, vertices): (&[u32], usize),
     ) -> Option<()> {
         let mut forms = Vec::with_capacity(pose.later.len());
         for later in &pose.later {

@@ -161,7 +161,7 @@ impl Loader<'_> {
             self.skin(&mut part, primitive, joints, &order, vertices, at)?;
         }
         if let Some(rest) = rest {
-            self.bend(&mut part, (rest, at), primitive, weights, pose, &order, vertices)?;
+            self.bend(&mut part, (rest, at), primitive, weights, pose, (&order, vertices))?;
         }
         self.drop_infinite(&mut part, at);
         self.mend_normals(&mut part, &place("NORMAL"));
