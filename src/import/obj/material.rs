@@ -96,6 +96,11 @@ impl Mapping<'_, '_> {
         let Some(map) = self.mtl.maps.get(map_key) else {
             return written.unwrap_or(default).into();
         };
+        if map.base != 0.0 {
+            let message = "the base of texture option `-mm` is not supported for colours and taken as 0";
+            self.report
+                .push_at(map.place.clone(), Diagnostic::warning("O0217", message));
+        }
         match self.textures.add(map, Encoding::Srgb, self.scene, self.report) {
             Some(texture) => ColorInput {
                 factor: written.filter(|c| *c != DVec3::ZERO).unwrap_or(DVec3::ONE) * map.gain,
@@ -112,8 +117,12 @@ impl Mapping<'_, '_> {
         };
         match self.textures.add(map, Encoding::Linear, self.scene, self.report) {
             Some(texture) => {
-                let factor = written.filter(|v| *v != 0.0).unwrap_or(1.0) * map.gain;
-                ScalarInput::scaled(factor, Some((texture, map.channel.unwrap_or(Channel::R))))
+                let factor = written.filter(|v| *v != 0.0).unwrap_or(1.0);
+                ScalarInput {
+                    factor: factor * map.gain,
+                    texture: Some((texture, map.channel.unwrap_or(Channel::R))),
+                    offset: factor * map.base,
+                }
             }
             None => written.unwrap_or(default).into(),
         }
@@ -323,6 +332,7 @@ impl Mapping<'_, '_> {
             let same = self.mtl.maps.get("map_kd").is_some_and(|kd| kd.file == map.file);
             same || self.textures.has_alpha(map, report)
         };
+        let value = if value == 0.0 { 1.0 } else { value };
         let channel = match map.channel {
             Some(channel) => channel,
             None if of_alpha(map, self.report) => Channel::A,
@@ -330,7 +340,11 @@ impl Mapping<'_, '_> {
         };
         Opacity {
             mode: OpacityMode::Blend,
-            alpha: ScalarInput::scaled(if value == 0.0 { 1.0 } else { value }, Some((texture, channel))),
+            alpha: ScalarInput {
+                factor: value * map.gain,
+                texture: Some((texture, channel)),
+                offset: value * map.base,
+            },
         }
     }
 

@@ -29,6 +29,8 @@ pub(super) struct Map {
     pub channel: Option<Channel>,
     /// The second number of `-mm`, a factor on the texel.
     pub gain: f64,
+    /// The first number of `-mm`, added to it; only where a single channel is read.
+    pub base: f64,
     /// `model.mtl:17`.
     pub place: String,
     /// Directory that file names are relative to.
@@ -287,6 +289,7 @@ impl Parser<'_> {
             bump: 1.0,
             channel: None,
             gain: 1.0,
+            base: 0.0,
             place: self.place(),
             directory: self.directory.clone(),
         };
@@ -300,13 +303,7 @@ impl Parser<'_> {
                 "-mm" => {
                     let mut base_gain = [0.0, map.gain];
                     leading_numbers(&mut rest, &mut base_gain);
-                    if base_gain[0] != 0.0 {
-                        self.warn(
-                            "O0217",
-                            "the base of texture option `-mm` is not supported and taken as 0".to_owned(),
-                        );
-                    }
-                    map.gain = base_gain[1];
+                    [map.base, map.gain] = base_gain;
                 }
                 "-bm" => {
                     let mut value = [map.bump];

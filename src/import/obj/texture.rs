@@ -157,6 +157,7 @@ mod tests {
             bump: 1.0,
             channel: None,
             gain: 1.0,
+            base: 0.0,
             place: String::new(),
             directory: PathBuf::new(),
         };
