@@ -3,9 +3,7 @@
 use super::Loader;
 use crate::scene::{Aspect, Camera, CameraKey, Projection};
 use glam::{DAffine3, DVec3};
-use gltf::json;
-use json::camera::Type;
-use json::validation::Checked;
+use serde_json::Value;
 
 /// The shape of a picture whose camera does not give one.
 const DEFAULT_ASPECT: f64 = 4.0 / 3.0;
@@ -16,24 +14,27 @@ impl Loader<'_> {
         let Some(raw) = self.doc.raw("cameras", index, at, &mut self.report) else {
             return;
         };
-        let Some(camera) = self.doc.get::<json::Camera>(index, at, &mut self.report) else {
-            return;
-        };
         let at = format!("cameras[{index}]");
-        let (height, aspect, projection) = match (camera.type_, camera.perspective, camera.orthographic) {
-            (Checked::Valid(Type::Perspective), Some(p), _) => {
-                let written = |key: &str| raw.get("perspective").and_then(|p| p.get(key)?.as_f64());
-                let yfov = written("yfov").unwrap_or(f64::from(p.yfov));
+        // Clipping planes have no meaning for rays: they are not read, and files without them are as good.
+        let kind = raw.get("type").and_then(Value::as_str).unwrap_or("");
+        let member = |key: &str| raw.get(kind).and_then(|object| object.get(key)?.as_f64());
+        let (height, aspect, projection) = match kind {
+            "perspective" => {
+                let yfov = member("yfov").unwrap_or(f64::NAN);
                 if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
-                    let message = format!("is {yfov} rad, expected more than 0 and less than π");
+                    let message = match member("yfov") {
+                        Some(_) => format!("is {yfov} rad, expected more than 0 and less than π"),
+                        None => "is missing or no number, expected an angle in rad".to_owned(),
+                    };
                     self.report.error("G0811", &format!("{at}.perspective.yfov"), message);
                     return;
                 }
-                let aspect = written("aspectRatio").unwrap_or(DEFAULT_ASPECT);
+                let aspect = member("aspectRatio").unwrap_or(DEFAULT_ASPECT);
                 (2.0 * (yfov / 2.0).tan(), aspect, Projection::Perspective)
             }
-            (Checked::Valid(Type::Orthographic), _, Some(o)) => {
-                let (x, y) = (f64::from(o.xmag).abs(), f64::from(o.ymag).abs());
+            "orthographic" => {
+                let magnification = |key: &str| member(key).unwrap_or(f64::NAN).abs();
+                let (x, y) = (magnification("xmag"), magnification("ymag"));
                 (2.0 * y, x / y, Projection::Orthographic)
             }
             _ => {
