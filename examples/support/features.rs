@@ -6,10 +6,13 @@ use glam::{DMat4, DQuat, DVec3};
 use serde_json::{Value, json};
 use std::path::Path;
 
+/// A name, and what fills the model of that name.
+type Feature = (&'static str, fn(&mut Model));
+
 /// Writes all of them; each with its own small buffer.
 pub fn write(folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
-    let models: [(&str, fn(&mut Model)); 9] = [
+    let models: [Feature; 9] = [
         ("nodes", nodes),
         ("morph", morph),
         ("skin", skin),
