@@ -58,7 +58,7 @@ fn stage(model: &mut Model) {
 }
 
 fn floor(model: &mut Model) {
-    let floor = model.store(&shapes::cuboid([5.0, 0.1, 3.0]));
+    let floor = model.store(&shapes::cuboid([12.0, 0.1, 9.0]));
     let gray = model.material(paint([0.4; 3]));
     let mesh = model.mesh(&floor, gray);
     model.root(json!({ "name": "floor", "mesh": mesh, "translation": [0.0, -0.55, 0.0] }));
