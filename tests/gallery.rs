@@ -13,29 +13,26 @@ use pts::render::settings::Settings;
 use std::fs;
 use support::scenes;
 
-fn gallery() -> Vec<String> {
-    let entries = fs::read_dir(scenes::path("scenes")).expect("the gallery");
+/// The files of a folder with this ending, of which there are at least so many.
+fn files(folder: &str, ending: &str, least: usize) -> Vec<String> {
+    let entries = fs::read_dir(scenes::path(folder)).expect("a folder of the gallery");
     let names = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned());
     let mut names: Vec<String> = names
-        .filter(|n| n.ends_with(".pts"))
-        .map(|n| format!("scenes/{n}"))
+        .filter(|n| n.ends_with(ending))
+        .map(|n| format!("{folder}/{n}"))
         .collect();
     names.sort();
-    assert!(names.len() >= 10, "{names:?}");
+    assert!(names.len() >= least, "{names:?}");
     names
+}
+
+fn gallery() -> Vec<String> {
+    files("scenes", ".pts", 10)
 }
 
 /// The grids of glTF's material extensions.
 fn extensions() -> Vec<String> {
-    let entries = fs::read_dir(scenes::path("scenes/extensions")).expect("the grids");
-    let names = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned());
-    let mut names: Vec<String> = names
-        .filter(|n| n.ends_with(".gltf"))
-        .map(|n| format!("scenes/extensions/{n}"))
-        .collect();
-    names.sort();
-    assert!(names.len() >= 15, "{names:?}");
-    names
+    files("scenes/extensions", ".gltf", 15)
 }
 
 #[test]
