@@ -40,32 +40,13 @@ impl Coat {
             Coat::Schlick { f0, f90 } => schlick(f0, f90, cos),
         }
     }
+}
 
-    /// What rough facets reflect at once, seen along `w`, and the share of light that white ones would not: it meets
-    /// further facets.
-    fn seen(&self, w: Vec3, ggx: Ggx) -> (Vec3, f32) {
-        match *self {
-            Coat::Dielectric { eta } => (Vec3::splat(coat_albedo(w.z.abs(), ggx.alpha(), eta)), 0.0),
-            Coat::Schlick { .. } => self.of_table(facets_albedo(ggx, w)),
-        }
-    }
-
-    /// Means of [`Coat::seen`] over views.
-    fn mean(&self, ggx: Ggx) -> (Vec3, f32) {
-        match *self {
-            Coat::Dielectric { eta } => (Vec3::splat(coat_mean(ggx.alpha(), eta)), 0.0),
-            Coat::Schlick { .. } => self.of_table(facets_mean(ggx)),
-        }
-    }
-
-    fn of_table(&self, (base, edge): (f32, f32)) -> (Vec3, f32) {
-        let (f0, f90) = match *self {
-            Coat::Dielectric { .. } => (Vec3::ONE, 1.0),
-            Coat::Schlick { f0, f90 } => (f0, f90),
-        };
-        let lost = (1.0 - base - edge).clamp(0.0, 1.0);
-        (f0 * base + Vec3::splat(f90 * edge), lost)
-    }
+/// What facets reflect at once by Schlick's curve, from the albedos of its two ends, and the share of light that white ones
+/// would not: it meets further facets.
+fn of_ends(f0: Vec3, f90: f32, (base, edge): (f32, f32)) -> (Vec3, f32) {
+    let lost = (1.0 - base - edge).clamp(0.0, 1.0);
+    (f0 * base + Vec3::splat(f90 * edge), lost)
 }
 
 /// The base under a coat that reflects `eo`, `ei` and `mean` (by their brightest channels): (front, back) of f·cosθi
@@ -140,28 +121,32 @@ impl Glossy {
         }
     }
 
-    /// What single scattering shows along `w`; what a coat without compensation loses counts too.
+    /// What one facet reflects, seen along `w`, and the share that white facets would lose so.
     fn seen(&self, w: Vec3) -> (Vec3, f32) {
-        let (single, lost) = self.coat.seen(w, self.ggx);
         match self.coat {
-            Coat::Dielectric { .. } if !self.compensated => {
-                let (base, edge) = facets_albedo(self.ggx, w);
-                (single, (1.0 - base - edge).clamp(0.0, 1.0))
+            Coat::Schlick { f0, f90 } => of_ends(f0, f90, facets_albedo(self.ggx, w)),
+            Coat::Dielectric { eta } => {
+                let single = coat_albedo(w.z.abs(), self.ggx.alpha(), eta);
+                self.exact(single, || facets_albedo(self.ggx, w))
             }
-            _ => (single, lost),
         }
     }
 
-    /// Means of [`Glossy::seen`].
+    /// Means of [`Glossy::seen`] over views.
     fn mean(&self) -> (Vec3, f32) {
-        let (single, lost) = self.coat.mean(self.ggx);
         match self.coat {
-            Coat::Dielectric { .. } if !self.compensated => {
-                let (base, edge) = facets_mean(self.ggx);
-                (single, (1.0 - base - edge).clamp(0.0, 1.0))
-            }
-            _ => (single, lost),
+            Coat::Schlick { f0, f90 } => of_ends(f0, f90, facets_mean(self.ggx)),
+            Coat::Dielectric { eta } => self.exact(coat_mean(self.ggx.alpha(), eta), || facets_mean(self.ggx)),
         }
+    }
+
+    /// An exact dielectric's albedo with what white facets lose, which counts only where nobody gets it.
+    fn exact(&self, single: f32, ends: impl Fn() -> (f32, f32)) -> (Vec3, f32) {
+        let lost = match self.compensated {
+            true => 0.0,
+            false => of_ends(Vec3::ONE, 1.0, ends()).1,
+        };
+        (Vec3::splat(single), lost)
     }
 
     /// Shares of sampling along a view: (coat, even light in front, behind), adding up to 1 unless nothing scatters.
